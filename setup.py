@@ -32,7 +32,7 @@ def pybind11_options():
 class CMakeBuild(build_ext):
     def build_extension(self, extension):
         if shutil.which("cmake") is None:
-            sys.exit("halfspace: cmake 3.25 or later is needed to build it")
+            sys.exit("halfspace: cmake 3.22 or later is needed to build it")
         build = Path(self.build_temp).resolve()
         subprocess.run(
             [

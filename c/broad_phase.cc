@@ -18,6 +18,7 @@ using halfspace::Span;
 using halfspace::c::AllRows;
 using halfspace::c::Call;
 using halfspace::c::CheckColumns;
+using halfspace::c::Get;
 using halfspace::c::Run;
 namespace detail = halfspace::detail;
 
@@ -136,10 +137,8 @@ hs_status hs_broad_phase_create(const hs_broad_phase_config* config,
 
 hs_status hs_broad_phase_copy(const hs_broad_phase* bodies,
                               hs_broad_phase** copy) {
-  return Run("hs_broad_phase_copy", [&](const Call& call) {
-    call.CheckPointer("bodies", bodies);
-    call.CheckPointer("copy", copy);
-    *copy = halfspace::c::New<hs_broad_phase>(bodies->memory, *bodies);
+  return Get("hs_broad_phase_copy", "bodies", bodies, "copy", copy, [&] {
+    return halfspace::c::New<hs_broad_phase>(bodies->memory, *bodies);
   });
 }
 
@@ -237,28 +236,19 @@ hs_status hs_broad_phase_ended(const hs_broad_phase* bodies,
 }
 
 hs_status hs_broad_phase_size(const hs_broad_phase* bodies, size_t* size) {
-  return Run("hs_broad_phase_size", [&](const Call& call) {
-    call.CheckPointer("bodies", bodies);
-    call.CheckPointer("size", size);
-    *size = bodies->core.size();
-  });
+  return Get("hs_broad_phase_size", "bodies", bodies, "size", size,
+             [&] { return bodies->core.size(); });
 }
 
 hs_status hs_broad_phase_id_limit(const hs_broad_phase* bodies, size_t* limit) {
-  return Run("hs_broad_phase_id_limit", [&](const Call& call) {
-    call.CheckPointer("bodies", bodies);
-    call.CheckPointer("limit", limit);
-    *limit = bodies->core.id_limit();
-  });
+  return Get("hs_broad_phase_id_limit", "bodies", bodies, "limit", limit,
+             [&] { return bodies->core.id_limit(); });
 }
 
 hs_status hs_broad_phase_has(const hs_broad_phase* bodies, uint32_t id,
                              int* has) {
-  return Run("hs_broad_phase_has", [&](const Call& call) {
-    call.CheckPointer("bodies", bodies);
-    call.CheckPointer("has", has);
-    *has = bodies->core.Has(id) ? 1 : 0;
-  });
+  return Get("hs_broad_phase_has", "bodies", bodies, "has", has,
+             [&] { return bodies->core.Has(id) ? 1 : 0; });
 }
 
 hs_status hs_broad_phase_get(const hs_broad_phase* bodies, const uint32_t* ids,
@@ -310,11 +300,8 @@ hs_status hs_broad_phase_statistics(const hs_broad_phase* bodies,
 }
 
 hs_status hs_broad_phase_validate(const hs_broad_phase* bodies, int* is_valid) {
-  return Run("hs_broad_phase_validate", [&](const Call& call) {
-    call.CheckPointer("bodies", bodies);
-    call.CheckPointer("is_valid", is_valid);
-    *is_valid = bodies->core.Validate() ? 1 : 0;
-  });
+  return Get("hs_broad_phase_validate", "bodies", bodies, "is_valid", is_valid,
+             [&] { return bodies->core.Validate() ? 1 : 0; });
 }
 
 hs_status hs_broad_phase_save(const hs_broad_phase* bodies, void* data,

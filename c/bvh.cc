@@ -9,6 +9,7 @@ using halfspace::c::BvhConfig;
 using halfspace::c::Call;
 using halfspace::c::CheckColumns;
 using halfspace::c::ColumnsOf;
+using halfspace::c::Get;
 using halfspace::c::Run;
 using halfspace::c::Values;
 using halfspace::detail::PlaneLayout;
@@ -191,19 +192,13 @@ void hs_builder_destroy(hs_builder* builder) {
 }
 
 hs_status hs_bvh_size(const hs_bvh* bvh, size_t* size) {
-  return Run("hs_bvh_size", [&](const Call& call) {
-    call.CheckPointer("bvh", bvh);
-    call.CheckPointer("size", size);
-    *size = bvh->tree.size();
-  });
+  return Get("hs_bvh_size", "bvh", bvh, "size", size,
+             [&] { return bvh->tree.size(); });
 }
 
 hs_status hs_bvh_id_limit(const hs_bvh* bvh, size_t* limit) {
-  return Run("hs_bvh_id_limit", [&](const Call& call) {
-    call.CheckPointer("bvh", bvh);
-    call.CheckPointer("limit", limit);
-    *limit = bvh->tree.id_limit();
-  });
+  return Get("hs_bvh_id_limit", "bvh", bvh, "limit", limit,
+             [&] { return bvh->tree.id_limit(); });
 }
 
 hs_status hs_bvh_bounds(const hs_bvh* bvh, float* record) {
@@ -261,11 +256,8 @@ hs_status hs_bvh_get_all(const hs_bvh* bvh, float* records, size_t room) {
 }
 
 hs_status hs_bvh_bytes(const hs_bvh* bvh, size_t* bytes) {
-  return Run("hs_bvh_bytes", [&](const Call& call) {
-    call.CheckPointer("bvh", bvh);
-    call.CheckPointer("bytes", bytes);
-    *bytes = bvh->tree.bytes();
-  });
+  return Get("hs_bvh_bytes", "bvh", bvh, "bytes", bytes,
+             [&] { return bvh->tree.bytes(); });
 }
 
 hs_status hs_bvh_insert(hs_bvh* bvh, const hs_columns* objects, uint32_t* ids) {
@@ -360,9 +352,6 @@ hs_status hs_bvh_rebuild(hs_bvh* bvh, const hs_bvh_config* config) {
 }
 
 hs_status hs_bvh_cost_ratio(const hs_bvh* bvh, double* ratio) {
-  return Run("hs_bvh_cost_ratio", [&](const Call& call) {
-    call.CheckPointer("bvh", bvh);
-    call.CheckPointer("ratio", ratio);
-    *ratio = bvh->tree.CostRatio();
-  });
+  return Get("hs_bvh_cost_ratio", "bvh", bvh, "ratio", ratio,
+             [&] { return bvh->tree.CostRatio(); });
 }

@@ -1,7 +1,6 @@
 #include "c/call.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
@@ -29,10 +28,9 @@ constinit thread_local Message last_error{};
 // no memory far behind the struct is read.
 constexpr std::size_t kLargestStruct = 4096;
 
-[[gnu::format(printf, 3, 0)]] void SetMessageV(const Call& call,
-                                               const Name& argument,
-                                               const char* format,
-                                               std::va_list arguments) {
+[[gnu::format(HALFSPACE_PRINTF, 3, 0)]] void SetMessageV(
+    const Call& call, const Name& argument, const char* format,
+    std::va_list arguments) {
   // Into another buffer, because an argument can be part of the last message.
   Message message;
   std::strcpy(message.argument, argument.c_str());
@@ -45,9 +43,10 @@ constexpr std::size_t kLargestStruct = 4096;
   last_error = message;
 }
 
-[[gnu::format(printf, 3, 4)]] void SetMessage(const Call& call,
-                                              const Name& argument,
-                                              const char* format, ...) {
+[[gnu::format(HALFSPACE_PRINTF, 3, 4)]] void SetMessage(const Call& call,
+                                                        const Name& argument,
+                                                        const char* format,
+                                                        ...) {
   std::va_list arguments;
   va_start(arguments, format);
   SetMessageV(call, argument, format, arguments);
@@ -135,10 +134,6 @@ void Call::FailMisaligned(const char* argument, std::size_t alignment) const {
 void Call::FailTooMany(const char* argument, std::size_t count) const {
   Fail(HS_INVALID_ARGUMENT, argument,
        "expected a size that fits the address space, got %zu elements", count);
-}
-
-NumberText::NumberText(float value) {
-  std::to_chars(text_.data(), text_.data() + text_.size() - 1, value);
 }
 
 hs_status StatusOfException(const Call& call) noexcept {

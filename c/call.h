@@ -17,6 +17,13 @@
 #include "halfspace/memory.h"
 #include "halfspace/targets.h"
 
+// The formats of C99, which gcc for Windows knows under another name.
+#if defined(__MINGW32__) && !defined(__clang__)
+#define HALFSPACE_PRINTF gnu_printf
+#else
+#define HALFSPACE_PRINTF printf
+#endif
+
 namespace halfspace::c {
 
 // Thrown by Call::Fail(), which has written the message.
@@ -48,7 +55,7 @@ class Call {
   const char* name() const { return name_; }
 
   // Writes the message "NAME: ARGUMENT: FORMAT..." and throws.
-  [[noreturn, gnu::cold, gnu::format(printf, 4, 5)]] void Fail(
+  [[noreturn, gnu::cold, gnu::format(HALFSPACE_PRINTF, 4, 5)]] void Fail(
       hs_status status, const Name& argument, const char* format, ...) const;
 
   // Writes the message of an error of the C++ library, whose argument has this
@@ -85,17 +92,6 @@ class Call {
   const char* name_;
 };
 
-// The shortest text that stands for no other float, in every locale: "%g"
-// rounds, and can write a comma.
-class NumberText {
- public:
-  explicit NumberText(float value);
-  const char* c_str() const { return text_.data(); }
-
- private:
-  std::array<char, 24> text_{};
-};
-
 // The status of the exception that is being handled, and its message.
 hs_status StatusOfException(const Call& call) noexcept;
 
@@ -109,6 +105,17 @@ hs_status Run(const char* name, const Body& body) noexcept {
   } catch (...) {
     return StatusOfException(call);
   }
+}
+
+// Writes what get() returns of `from` to `*value`.
+template <typename From, typename Value, typename Function>
+hs_status Get(const char* name, const char* from_name, const From* from,
+              const char* value_name, Value* value, const Function& get) {
+  return Run(name, [&](const Call& call) {
+    call.CheckPointer(from_name, from);
+    call.CheckPointer(value_name, value);
+    *value = get();
+  });
 }
 
 // Copies the fields that the caller's struct has over those of `options`, which

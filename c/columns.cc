@@ -128,7 +128,7 @@ void CheckNotNegative(const Call& call, const char* argument,
   call.Fail(HS_INVALID_ARGUMENT, {argument, "->column", column},
             "expected %s that are not negative, got %s of %s "
             "%zu",
-            values, NumberText(value).c_str(), record, i);
+            values, detail::NumberText(value).c_str(), record, i);
 }
 
 detail::Columns ColumnsOf(const hs_columns& columns, const Values& values) {

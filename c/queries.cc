@@ -113,7 +113,7 @@ void CheckLength(const Call& call, const char* argument, float length) {
   if (length >= 0) return;
   call.Fail(HS_INVALID_ARGUMENT, argument,
             "expected a number that is not negative, got %s",
-            NumberText(length).c_str());
+            detail::NumberText(length).c_str());
 }
 
 template <typename World>
@@ -322,8 +322,8 @@ void CheckBoxes(const Call& call, const float* rows, std::size_t begin,
     call.Fail(HS_INVALID_ARGUMENT, "boxes",
               "expected minima that are not above the maxima, got %s and "
               "%s on axis %zu of box %zu",
-              NumberText(min[wrong]).c_str(), NumberText(max[wrong]).c_str(),
-              wrong, begin + i);
+              detail::NumberText(min[wrong]).c_str(),
+              detail::NumberText(max[wrong]).c_str(), wrong, begin + i);
   }
 }
 
@@ -676,11 +676,11 @@ using halfspace::c::Cast;
 using halfspace::c::CastFirst;
 using halfspace::c::Casts;
 using halfspace::c::CountAll;
+using halfspace::c::Get;
 using halfspace::c::NearestToBoxes;
 using halfspace::c::NearestToPoints;
 using halfspace::c::Probe;
 using halfspace::c::Query;
-using halfspace::c::Run;
 using halfspace::c::WritePairs;
 
 hs_status hs_query_options_default(hs_query_options* options,
@@ -697,93 +697,100 @@ hs_status hs_pair_options_default(hs_pair_options* options,
       sizeof(hs_pair_options), options, struct_size);
 }
 
-hs_status hs_bvh_query(const hs_bvh* bvh, const hs_columns* queries,
-                       const hs_query_options* options, uint32_t* ids,
-                       size_t room, size_t* offsets, size_t* total) {
-  return Query("hs_bvh_query", bvh, queries, options, ids, room, offsets,
-               total);
-}
+// The searches that BVHs and broad phases have in common. `in` is one of them.
+#define HALFSPACE_SEARCHES(Type)                                               \
+  hs_status Type##_query(const Type* in, const hs_columns* queries,            \
+                         const hs_query_options* options, uint32_t* ids,       \
+                         size_t room, size_t* offsets, size_t* total) {        \
+    return Query(#Type "_query", in, queries, options, ids, room, offsets,     \
+                 total);                                                       \
+  }                                                                            \
+  hs_status Type##_count(const Type* in, const hs_columns* queries,            \
+                         const hs_query_options* options, size_t* counts) {    \
+    return CountAll(#Type "_count", in, queries, options, counts);             \
+  }                                                                            \
+  hs_status Type##_any(const Type* in, const hs_columns* queries,              \
+                       const hs_query_options* options, uint32_t* ids) {       \
+    return AnyOfEach(#Type "_any", in, queries, options, ids);                 \
+  }                                                                            \
+  hs_status Type##_probe(const Type* in, const hs_columns* queries,            \
+                         const hs_query_options* options,                      \
+                         hs_ids_function function, void* context) {            \
+    return Probe(#Type "_probe", in, queries, options, function, context);     \
+  }                                                                            \
+  hs_status Type##_nearest_to_points(                                          \
+      const Type* in, const hs_columns* points, size_t k, float max_distance,  \
+      const hs_query_options* options, uint32_t* ids, float* distances) {      \
+    return NearestToPoints(#Type "_nearest_to_points", in, points, k,          \
+                           max_distance, options, ids, distances);             \
+  }                                                                            \
+  hs_status Type##_nearest_to_boxes(                                           \
+      const Type* in, const hs_columns* boxes, size_t k, float max_distance,   \
+      const hs_query_options* options, uint32_t* ids, float* distances) {      \
+    return NearestToBoxes(#Type "_nearest_to_boxes", in, boxes, k,             \
+                          max_distance, options, ids, distances);              \
+  }                                                                            \
+  hs_status Type##_raycast(const Type* in, const hs_columns* rays,             \
+                           float radius, const hs_query_options* options,      \
+                           uint32_t* ids, float* ts) {                         \
+    return CastFirst(#Type "_raycast", in,                                     \
+                     {Casts::kRays, rays, nullptr, radius}, options, ids, ts); \
+  }                                                                            \
+  hs_status Type##_raycast_each(const Type* in, const hs_columns* rays,        \
+                                float radius, const hs_query_options* options, \
+                                hs_hit_function function, void* context) {     \
+    return Cast(#Type "_raycast_each", in,                                     \
+                {Casts::kRays, rays, nullptr, radius}, options, function,      \
+                context);                                                      \
+  }                                                                            \
+  hs_status Type##_boxcast(                                                    \
+      const Type* in, const hs_columns* boxes, const hs_columns* motions,      \
+      const hs_query_options* options, uint32_t* ids, float* ts) {             \
+    return CastFirst(#Type "_boxcast", in, {Casts::kBoxes, boxes, motions},    \
+                     options, ids, ts);                                        \
+  }                                                                            \
+  hs_status Type##_boxcast_each(const Type* in, const hs_columns* boxes,       \
+                                const hs_columns* motions,                     \
+                                const hs_query_options* options,               \
+                                hs_hit_function function, void* context) {     \
+    return Cast(#Type "_boxcast_each", in, {Casts::kBoxes, boxes, motions},    \
+                options, function, context);                                   \
+  }                                                                            \
+  hs_status Type##_spherecast(                                                 \
+      const Type* in, const hs_columns* spheres, const hs_columns* motions,    \
+      const hs_query_options* options, uint32_t* ids, float* ts) {             \
+    return CastFirst(#Type "_spherecast", in,                                  \
+                     {Casts::kSpheres, spheres, motions}, options, ids, ts);   \
+  }                                                                            \
+  hs_status Type##_spherecast_each(const Type* in, const hs_columns* spheres,  \
+                                   const hs_columns* motions,                  \
+                                   const hs_query_options* options,            \
+                                   hs_hit_function function, void* context) {  \
+    return Cast(#Type "_spherecast_each", in,                                  \
+                {Casts::kSpheres, spheres, motions}, options, function,        \
+                context);                                                      \
+  }                                                                            \
+  hs_status Type##_pairs_of(const Type* in, const uint32_t* ids, size_t count, \
+                            const hs_pair_options* options, hs_id_pair* pairs, \
+                            size_t room, size_t* total) {                      \
+    return WritePairs<Type>(                                                   \
+        #Type "_pairs_of",                                                     \
+        {.a = in, .ids = ids, .count = count, .is_of_set = true}, options,     \
+        pairs, room, total);                                                   \
+  }                                                                            \
+  hs_status Type##_pairs_of_each(const Type* in, const uint32_t* ids,          \
+                                 size_t count, const hs_pair_options* options, \
+                                 hs_pairs_function function, void* context) {  \
+    return CallForPairs<Type>(                                                 \
+        #Type "_pairs_of_each",                                                \
+        {.a = in, .ids = ids, .count = count, .is_of_set = true}, options,     \
+        function, context);                                                    \
+  }                                                                            \
+  static_assert(true)
 
-hs_status hs_bvh_count(const hs_bvh* bvh, const hs_columns* queries,
-                       const hs_query_options* options, size_t* counts) {
-  return CountAll("hs_bvh_count", bvh, queries, options, counts);
-}
-
-hs_status hs_bvh_any(const hs_bvh* bvh, const hs_columns* queries,
-                     const hs_query_options* options, uint32_t* ids) {
-  return AnyOfEach("hs_bvh_any", bvh, queries, options, ids);
-}
-
-hs_status hs_bvh_probe(const hs_bvh* bvh, const hs_columns* queries,
-                       const hs_query_options* options,
-                       hs_ids_function function, void* context) {
-  return Probe("hs_bvh_probe", bvh, queries, options, function, context);
-}
-
-hs_status hs_bvh_nearest_to_points(const hs_bvh* bvh, const hs_columns* points,
-                                   size_t k, float max_distance,
-                                   const hs_query_options* options,
-                                   uint32_t* ids, float* distances) {
-  return NearestToPoints("hs_bvh_nearest_to_points", bvh, points, k,
-                         max_distance, options, ids, distances);
-}
-
-hs_status hs_bvh_nearest_to_boxes(const hs_bvh* bvh, const hs_columns* boxes,
-                                  size_t k, float max_distance,
-                                  const hs_query_options* options,
-                                  uint32_t* ids, float* distances) {
-  return NearestToBoxes("hs_bvh_nearest_to_boxes", bvh, boxes, k, max_distance,
-                        options, ids, distances);
-}
-
-hs_status hs_bvh_raycast(const hs_bvh* bvh, const hs_columns* rays,
-                         float radius, const hs_query_options* options,
-                         uint32_t* ids, float* ts) {
-  return CastFirst("hs_bvh_raycast", bvh,
-                   Casts{Casts::kRays, rays, nullptr, radius}, options, ids,
-                   ts);
-}
-
-hs_status hs_bvh_raycast_each(const hs_bvh* bvh, const hs_columns* rays,
-                              float radius, const hs_query_options* options,
-                              hs_hit_function function, void* context) {
-  return Cast("hs_bvh_raycast_each", bvh,
-              Casts{Casts::kRays, rays, nullptr, radius}, options, function,
-              context);
-}
-
-hs_status hs_bvh_boxcast(const hs_bvh* bvh, const hs_columns* boxes,
-                         const hs_columns* motions,
-                         const hs_query_options* options, uint32_t* ids,
-                         float* ts) {
-  return CastFirst("hs_bvh_boxcast", bvh, Casts{Casts::kBoxes, boxes, motions},
-                   options, ids, ts);
-}
-
-hs_status hs_bvh_boxcast_each(const hs_bvh* bvh, const hs_columns* boxes,
-                              const hs_columns* motions,
-                              const hs_query_options* options,
-                              hs_hit_function function, void* context) {
-  return Cast("hs_bvh_boxcast_each", bvh, Casts{Casts::kBoxes, boxes, motions},
-              options, function, context);
-}
-
-hs_status hs_bvh_spherecast(const hs_bvh* bvh, const hs_columns* spheres,
-                            const hs_columns* motions,
-                            const hs_query_options* options, uint32_t* ids,
-                            float* ts) {
-  return CastFirst("hs_bvh_spherecast", bvh,
-                   Casts{Casts::kSpheres, spheres, motions}, options, ids, ts);
-}
-
-hs_status hs_bvh_spherecast_each(const hs_bvh* bvh, const hs_columns* spheres,
-                                 const hs_columns* motions,
-                                 const hs_query_options* options,
-                                 hs_hit_function function, void* context) {
-  return Cast("hs_bvh_spherecast_each", bvh,
-              Casts{Casts::kSpheres, spheres, motions}, options, function,
-              context);
-}
+HALFSPACE_SEARCHES(hs_bvh);
+HALFSPACE_SEARCHES(hs_broad_phase);
+#undef HALFSPACE_SEARCHES
 
 hs_status hs_bvh_pairs(const hs_bvh* bvh, const hs_pair_options* options,
                        hs_id_pair* pairs, size_t room, size_t* total) {
@@ -796,15 +803,6 @@ hs_status hs_bvh_join(const hs_bvh* a, const hs_bvh* b,
                       size_t room, size_t* total) {
   return WritePairs<hs_bvh>("hs_bvh_join", {.a = a, .b = b, .is_join = true},
                             options, pairs, room, total);
-}
-
-hs_status hs_bvh_pairs_of(const hs_bvh* bvh, const uint32_t* ids, size_t count,
-                          const hs_pair_options* options, hs_id_pair* pairs,
-                          size_t room, size_t* total) {
-  return WritePairs<hs_bvh>(
-      "hs_bvh_pairs_of",
-      {.a = bvh, .ids = ids, .count = count, .is_of_set = true}, options, pairs,
-      room, total);
 }
 
 hs_status hs_bvh_pairs_each(const hs_bvh* bvh, const hs_pair_options* options,
@@ -821,144 +819,7 @@ hs_status hs_bvh_join_each(const hs_bvh* a, const hs_bvh* b,
                               function, context);
 }
 
-hs_status hs_bvh_pairs_of_each(const hs_bvh* bvh, const uint32_t* ids,
-                               size_t count, const hs_pair_options* options,
-                               hs_pairs_function function, void* context) {
-  return CallForPairs<hs_bvh>(
-      "hs_bvh_pairs_of_each",
-      {.a = bvh, .ids = ids, .count = count, .is_of_set = true}, options,
-      function, context);
-}
-
-hs_status hs_broad_phase_query(const hs_broad_phase* bodies,
-                               const hs_columns* queries,
-                               const hs_query_options* options, uint32_t* ids,
-                               size_t room, size_t* offsets, size_t* total) {
-  return Query("hs_broad_phase_query", bodies, queries, options, ids, room,
-               offsets, total);
-}
-
-hs_status hs_broad_phase_count(const hs_broad_phase* bodies,
-                               const hs_columns* queries,
-                               const hs_query_options* options,
-                               size_t* counts) {
-  return CountAll("hs_broad_phase_count", bodies, queries, options, counts);
-}
-
-hs_status hs_broad_phase_any(const hs_broad_phase* bodies,
-                             const hs_columns* queries,
-                             const hs_query_options* options, uint32_t* ids) {
-  return AnyOfEach("hs_broad_phase_any", bodies, queries, options, ids);
-}
-
-hs_status hs_broad_phase_probe(const hs_broad_phase* bodies,
-                               const hs_columns* queries,
-                               const hs_query_options* options,
-                               hs_ids_function function, void* context) {
-  return Probe("hs_broad_phase_probe", bodies, queries, options, function,
-               context);
-}
-
-hs_status hs_broad_phase_nearest_to_points(const hs_broad_phase* bodies,
-                                           const hs_columns* points, size_t k,
-                                           float max_distance,
-                                           const hs_query_options* options,
-                                           uint32_t* ids, float* distances) {
-  return NearestToPoints("hs_broad_phase_nearest_to_points", bodies, points, k,
-                         max_distance, options, ids, distances);
-}
-
-hs_status hs_broad_phase_nearest_to_boxes(const hs_broad_phase* bodies,
-                                          const hs_columns* boxes, size_t k,
-                                          float max_distance,
-                                          const hs_query_options* options,
-                                          uint32_t* ids, float* distances) {
-  return NearestToBoxes("hs_broad_phase_nearest_to_boxes", bodies, boxes, k,
-                        max_distance, options, ids, distances);
-}
-
-hs_status hs_broad_phase_raycast(const hs_broad_phase* bodies,
-                                 const hs_columns* rays, float radius,
-                                 const hs_query_options* options, uint32_t* ids,
-                                 float* ts) {
-  return CastFirst("hs_broad_phase_raycast", bodies,
-                   Casts{Casts::kRays, rays, nullptr, radius}, options, ids,
-                   ts);
-}
-
-hs_status hs_broad_phase_raycast_each(const hs_broad_phase* bodies,
-                                      const hs_columns* rays, float radius,
-                                      const hs_query_options* options,
-                                      hs_hit_function function, void* context) {
-  return Cast("hs_broad_phase_raycast_each", bodies,
-              Casts{Casts::kRays, rays, nullptr, radius}, options, function,
-              context);
-}
-
-hs_status hs_broad_phase_boxcast(const hs_broad_phase* bodies,
-                                 const hs_columns* boxes,
-                                 const hs_columns* motions,
-                                 const hs_query_options* options, uint32_t* ids,
-                                 float* ts) {
-  return CastFirst("hs_broad_phase_boxcast", bodies,
-                   Casts{Casts::kBoxes, boxes, motions}, options, ids, ts);
-}
-
-hs_status hs_broad_phase_boxcast_each(const hs_broad_phase* bodies,
-                                      const hs_columns* boxes,
-                                      const hs_columns* motions,
-                                      const hs_query_options* options,
-                                      hs_hit_function function, void* context) {
-  return Cast("hs_broad_phase_boxcast_each", bodies,
-              Casts{Casts::kBoxes, boxes, motions}, options, function, context);
-}
-
-hs_status hs_broad_phase_spherecast(const hs_broad_phase* bodies,
-                                    const hs_columns* spheres,
-                                    const hs_columns* motions,
-                                    const hs_query_options* options,
-                                    uint32_t* ids, float* ts) {
-  return CastFirst("hs_broad_phase_spherecast", bodies,
-                   Casts{Casts::kSpheres, spheres, motions}, options, ids, ts);
-}
-
-hs_status hs_broad_phase_spherecast_each(const hs_broad_phase* bodies,
-                                         const hs_columns* spheres,
-                                         const hs_columns* motions,
-                                         const hs_query_options* options,
-                                         hs_hit_function function,
-                                         void* context) {
-  return Cast("hs_broad_phase_spherecast_each", bodies,
-              Casts{Casts::kSpheres, spheres, motions}, options, function,
-              context);
-}
-
-hs_status hs_broad_phase_pairs_of(const hs_broad_phase* bodies,
-                                  const uint32_t* ids, size_t count,
-                                  const hs_pair_options* options,
-                                  hs_id_pair* pairs, size_t room,
-                                  size_t* total) {
-  return WritePairs<hs_broad_phase>(
-      "hs_broad_phase_pairs_of",
-      {.a = bodies, .ids = ids, .count = count, .is_of_set = true}, options,
-      pairs, room, total);
-}
-
-hs_status hs_broad_phase_pairs_of_each(const hs_broad_phase* bodies,
-                                       const uint32_t* ids, size_t count,
-                                       const hs_pair_options* options,
-                                       hs_pairs_function function,
-                                       void* context) {
-  return CallForPairs<hs_broad_phase>(
-      "hs_broad_phase_pairs_of_each",
-      {.a = bodies, .ids = ids, .count = count, .is_of_set = true}, options,
-      function, context);
-}
-
 hs_status hs_bvh_pair_parts(const hs_bvh* bvh, size_t* parts) {
-  return Run("hs_bvh_pair_parts", [&](const Call& call) {
-    call.CheckPointer("bvh", bvh);
-    call.CheckPointer("parts", parts);
-    *parts = (bvh->tree.ids().size() + 63) / 64;
-  });
+  return Get("hs_bvh_pair_parts", "bvh", bvh, "parts", parts,
+             [&] { return (bvh->tree.ids().size() + 63) / 64; });
 }

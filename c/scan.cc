@@ -177,11 +177,8 @@ void hs_scan_destroy(hs_scan* scan) {
 }
 
 hs_status hs_scan_size(const hs_scan* scan, size_t* size) {
-  return Run("hs_scan_size", [&](const Call& call) {
-    call.CheckPointer("scan", scan);
-    call.CheckPointer("size", size);
-    *size = scan->size();
-  });
+  return halfspace::c::Get("hs_scan_size", "scan", scan, "size", size,
+                           [&] { return scan->size(); });
 }
 
 hs_status hs_scan_masks(const hs_scan* scan, const hs_columns* queries,

@@ -17,10 +17,7 @@ target_sources(halfspace
     c/queries.cc
     c/call.cc
     c/columns.cc
-    c/scan.cc
-  PUBLIC
-    FILE_SET HEADERS FILES
-    include/halfspace/c/halfspace.h)
+    c/scan.cc)
 # As fast as with -O3, in four fifths of the code.
 if(NOT MSVC)
   set_property(SOURCE c/bounds.cc c/broad_phase.cc c/bvh.cc c/bvh_files.cc c/queries.cc

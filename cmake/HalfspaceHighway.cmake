@@ -11,8 +11,7 @@ set(highway_repository https://github.com/google/highway.git)
 FetchContent_Declare(highway
   GIT_REPOSITORY ${highway_repository}
   GIT_TAG 2607d3b5b0113992fe84d3848859eae13b3b52c1  # 1.4.0
-  SOURCE_SUBDIR none  # a folder without CMakeLists.txt, so that nothing is built
-  FIND_PACKAGE_ARGS 1.0.3 NAMES hwy CONFIG)
+  SOURCE_SUBDIR none)  # a folder without CMakeLists.txt, so that nothing is built
 
 function(halfspace_stop_without_highway why)
   message(FATAL_ERROR
@@ -25,10 +24,10 @@ endfunction()
 
 # A download that fails ends in errors of CMake's own, which name no package.
 FetchContent_GetProperties(highway)
-if(NOT highway_POPULATED AND NOT FETCHCONTENT_SOURCE_DIR_HIGHWAY AND
-   NOT EXISTS "${FETCHCONTENT_BASE_DIR}/highway-src/hwy/highway.h")
+if(NOT highway_POPULATED AND NOT FETCHCONTENT_SOURCE_DIR_HIGHWAY)
   find_package(highway 1.0.3 QUIET NAMES hwy CONFIG)
-  if(NOT highway_FOUND)
+  if(NOT highway_FOUND AND
+     NOT EXISTS "${FETCHCONTENT_BASE_DIR}/highway-src/hwy/highway.h")
     set(found "It is not installed")
     if(highway_CONSIDERED_VERSIONS)
       set(found "Only ${highway_CONSIDERED_VERSIONS} is installed")
@@ -48,7 +47,9 @@ if(NOT highway_POPULATED AND NOT FETCHCONTENT_SOURCE_DIR_HIGHWAY AND
   endif()
 endif()
 
-FetchContent_MakeAvailable(highway)
+if(NOT highway_FOUND)
+  FetchContent_MakeAvailable(highway)
+endif()
 
 if(highway_SOURCE_DIR)
   set(HALFSPACE_BUNDLES_HIGHWAY ON)

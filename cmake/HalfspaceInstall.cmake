@@ -31,7 +31,13 @@ install(TARGETS halfspace EXPORT halfspaceTargets
   RUNTIME COMPONENT halfspace_runtime
   LIBRARY COMPONENT halfspace_runtime NAMELINK_COMPONENT halfspace_development
   ARCHIVE COMPONENT halfspace_development
-  FILE_SET HEADERS COMPONENT halfspace_development)
+  INCLUDES DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+set(not_installed "")
+if(NOT HALFSPACE_C)
+  set(not_installed PATTERN c/halfspace.h EXCLUDE)
+endif()
+install(DIRECTORY include/ DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
+        COMPONENT halfspace_development ${not_installed})
 if(TARGET halfspace_static)
   install(TARGETS halfspace_static EXPORT halfspaceTargets
     ARCHIVE COMPONENT halfspace_development

@@ -8,7 +8,11 @@ function(halfspace_configure_target target)
     CXX_VISIBILITY_PRESET hidden
     VISIBILITY_INLINES_HIDDEN ON)
   if(MSVC)
-    target_compile_options(${target} PRIVATE /W4 /fp:precise)
+    # Attributes of gcc are ignored, and functions of the C library are used.
+    target_compile_options(${target} PRIVATE
+      /W4 /wd5030 /fp:precise /bigobj
+      $<$<CXX_COMPILER_ID:Clang>:/clang:-ffp-contract=off>)  # clang-cl
+    target_compile_definitions(${target} PRIVATE _CRT_SECURE_NO_WARNINGS)
   else()
     # Contraction and fast-math would change answers between compilers and
     # delete the error-free sums; the caller's own flags must not matter.
@@ -26,7 +30,7 @@ function(halfspace_configure_target target)
     endif()
   endif()
   if(HALFSPACE_WERROR)
-    set_target_properties(${target} PROPERTIES COMPILE_WARNING_AS_ERROR ON)
+    target_compile_options(${target} PRIVATE $<IF:$<BOOL:${MSVC}>,/WX,-Werror>)
   endif()
 endfunction()
 
@@ -40,7 +44,7 @@ function(halfspace_configure_c_target target)
     target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic)
   endif()
   if(HALFSPACE_WERROR)
-    set_target_properties(${target} PROPERTIES COMPILE_WARNING_AS_ERROR ON)
+    target_compile_options(${target} PRIVATE $<IF:$<BOOL:${MSVC}>,/WX,-Werror>)
   endif()
 endfunction()
 

@@ -33,7 +33,7 @@ int main() {
       std::clamp<std::size_t>(std::thread::hardware_concurrency(), 2, 16);
   const std::size_t objects = 64 * (words / threads + 1);
   {
-    std::vector<std::jthread> workers;
+    std::vector<std::thread> workers;
     for (std::size_t t = 0; t < threads; ++t) {
       const halfspace::Range range{t * objects, (t + 1) * objects};
       workers.emplace_back([&, t, range] {
@@ -42,7 +42,8 @@ int main() {
                                  {.range = range}, words);
       });
     }
-  }  // here they are joined
+    for (std::thread& worker : workers) worker.join();
+  }
 
   const std::size_t near = halfspace::CountBits(rows);
   std::printf("%zu cars are at a house\n", near);

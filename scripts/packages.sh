@@ -11,7 +11,7 @@ build_packages=(
 # shellcheck disable=SC2034  # for those who source this
 competitor_packages=(
   libboost-dev libbox2d-dev libbullet-dev libembree-dev libfcl-dev
-  libgeos++-dev libnanoflann-dev)
+  libgeos++-dev)
 
 # The libraries that examples have adapters for.
 # shellcheck disable=SC2034

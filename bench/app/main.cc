@@ -1,5 +1,4 @@
-// cpuinfo-bench: measures on this machine what the bounding simplex, the AABB
-// and the AABO cost, and where each wins.
+// The main function of cpuinfo-bench and of paper-bench.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -34,7 +33,7 @@ namespace halfspace::bench {
 namespace {
 
 int Fail(const std::string& what, int code) {
-  std::cerr << "cpuinfo-bench: " << Printable(what) << '\n';
+  std::cerr << ThisProgram().name << ": " << Printable(what) << '\n';
   return code;
 }
 
@@ -54,11 +53,12 @@ constexpr const char* kNoMemory =
   } catch (const std::bad_alloc&) {
     is_out_of_memory = true;
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "cpuinfo-bench: uncaught: %s\n", error.what());
+    std::fprintf(stderr, "%s: uncaught: %s\n", ThisProgram().name,
+                 error.what());
   } catch (...) {
   }
   if (!is_out_of_memory) std::abort();
-  std::fprintf(stderr, "cpuinfo-bench: %s\n", kNoMemory);
+  std::fprintf(stderr, "%s: %s\n", ThisProgram().name, kNoMemory);
   std::_Exit(kExitFailed);
 }
 
@@ -227,9 +227,9 @@ int ReportWorse(const Report& stored, Comparison comparison,
     });
   }
   for (const std::string& line : worse) {
-    std::cerr << "cpuinfo-bench: worse: " << Printable(line) << '\n';
+    std::cerr << ThisProgram().name << ": worse: " << Printable(line) << '\n';
   }
-  std::cerr << "cpuinfo-bench: " << worse.size() << " of "
+  std::cerr << ThisProgram().name << ": " << worse.size() << " of "
             << comparison.compared << " values are worse than in "
             << Printable(path) << '\n';
   return worse.empty() ? kExitOk : kExitWorse;
@@ -250,7 +250,7 @@ int Main(int argc, char** argv) {
   BenchOptions options;
   if (!ParseOptions(argc, argv, options)) return kExitOk;
   if (options.is_list) {
-    for (const Section& section : Sections()) {
+    for (const Section& section : ThisProgram().sections) {
       std::cout << section.name << '\n';
     }
     return kExitOk;

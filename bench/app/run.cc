@@ -51,7 +51,7 @@ Context ContextOf(const Run& run) {
 }
 
 void WriteHead(std::ostream& out, const Report& report) {
-  out << "cpuinfo-bench " << report.ValueOf("version") << ' '
+  out << ThisProgram().name << ' ' << report.ValueOf("version") << ' '
       << Printable(report.ValueOf("command")) << "; seed "
       << report.ValueOf("seed") << "; " << report.ValueOf("caches") << '\n'
       << report.ValueOf("cpu") << " (" << report.ValueOf("model") << ")\n";
@@ -76,15 +76,15 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
   std::vector<std::pair<std::string_view, Tables>> all;
   bool needs_verdict = false;
   std::size_t first_sections = 0;
-  for (const Section& section : Sections()) {
+  for (const Section& section : ThisProgram().sections) {
     if (!options.Wants(section.name)) continue;
     total += section.weight;
     all.emplace_back(section.name, Tables());
     first_sections += (section.flags & kLast) == 0 ? 1 : 0;
-    needs_verdict |= !run.machine.is_emulated &&
-                     (section.name == "verdict" || section.name == "model");
+    needs_verdict |=
+        !run.machine.is_emulated && (section.flags & kVerdict) != 0;
   }
-  progress.Plan(total);
+  progress.Plan(ThisProgram().name, total);
   bool is_first = true;
   const auto write = [&](const Tables& tables) {
     if (text == nullptr) return;
@@ -108,7 +108,7 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
     *text << out.str() << std::flush;
   };
   for (unsigned pass : {0u, kLast}) {
-    for (const Section& section : Sections()) {
+    for (const Section& section : ThisProgram().sections) {
       if (!options.Wants(section.name) || (section.flags & kLast) != pass) {
         continue;
       }

@@ -51,7 +51,7 @@ void Progress::Begin(std::string_view section, double weight) {
   if (is_redrawn_) {
     Update(0.0);
   } else {
-    Print("cpuinfo-bench: ", "", 0.0);
+    Print((program_ + ": ").c_str(), "", 0.0);
     std::fputc('\n', stderr);
   }
 }

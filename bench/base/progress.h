@@ -19,8 +19,11 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  // The run as planned: the weights of all sections, in any unit.
-  void Plan(double total_weight) { total_ = total_weight; }
+  // The run of a program as planned: the weights of all sections, in any unit.
+  void Plan(std::string_view program, double total_weight) {
+    program_ = program;
+    total_ = total_weight;
+  }
 
   // Starts a section that will take `weight` of the plan.
   void Begin(std::string_view section, double weight);
@@ -44,6 +47,7 @@ class Progress {
   bool is_redrawn_;
   bool has_color_;
   bool is_line_drawn_ = false;
+  std::string program_;
   std::string section_;
   double total_ = 1.0;
   double before_ = 0.0;  // weight of the sections that are over

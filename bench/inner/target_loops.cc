@@ -1,10 +1,6 @@
 #include "bench/inner/target_loops.h"
 
-#include <utility>
-
-#include "bench/base/target_function.h"
-#include "bench/inner/plane_order.h"
-#include "dispatch/scan/prepare.h"
+#include "bench/inner/target_function.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "bench/inner/target_loops.cc"
@@ -12,15 +8,89 @@
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 #include "hwy/highway.h"
 
-// After foreach_target.h, which decides what they are compiled for.
-#include "kernels/scan/stages-inl.h"
+// After foreach_target.h, which decides what it is compiled for.
+#include "halfspace/detail/word-inl.h"
 
-// After the kernels, whose parts they use.
-#include "bench/inner/gated_scan-inl.h"
-#include "bench/inner/memory_loops-inl.h"
-#include "bench/inner/vectorised-inl.h"
-#include "bench/inner/volume_scans-inl.h"
-#include "bench/inner/width_scans-inl.h"
+HWY_BEFORE_NAMESPACE();
+namespace halfspace {
+namespace HWY_NAMESPACE {
+
+size_t OneQueryLanes() { return hn::Lanes(OneTag<float>()); }
+
+using MemoryTag = hn::CappedTag<uint32_t, 64>;
+using Words = hn::Vec<MemoryTag>;
+
+HWY_INLINE Words OrAt(Words before, const void* from, size_t bytes) {
+  const void* at = static_cast<const uint8_t*>(from) + bytes;
+  return hn::Or(before,
+                hn::LoadU(MemoryTag(), static_cast<const uint32_t*>(at)));
+}
+
+// Four ORs in turn, so that they are no chain.
+HWY_INLINE void ReadChunk(const void* from, Words& a, Words& b, Words& c,
+                          Words& e) {
+  const size_t vector = 4 * hn::Lanes(MemoryTag());
+  size_t l = 0;
+  for (; l + 4 * vector <= bench::kReadBytes; l += 4 * vector) {
+    a = OrAt(a, from, l);
+    b = OrAt(b, from, l + vector);
+    c = OrAt(c, from, l + 2 * vector);
+    e = OrAt(e, from, l + 3 * vector);
+  }
+  for (; l < bench::kReadBytes; l += vector) a = OrAt(a, from, l);
+}
+
+uint32_t ReadPlanes(bool by_plane, const float* const* planes,
+                    size_t plane_count, size_t bytes) {
+  auto a = hn::Zero(MemoryTag()), b = a, c = a, e = a;
+  constexpr size_t kFloats = bench::kReadBytes / sizeof(float);
+  const size_t floats = bytes / sizeof(float);
+  const size_t turn = by_plane ? floats : kFloats;
+  for (size_t begin = 0; begin < floats; begin += turn) {
+    for (size_t p = 0; p < plane_count; ++p) {
+      for (size_t i = begin; i < begin + turn; i += kFloats) {
+        ReadChunk(planes[p] + i, a, b, c, e);
+      }
+    }
+  }
+  HWY_ALIGN uint32_t words[bench::kReadBytes / 4];
+  hn::Store(hn::Or(hn::Or(a, b), hn::Or(c, e)), MemoryTag(), words);
+  uint32_t folded = 0;
+  for (size_t l = 0; l < hn::Lanes(MemoryTag()); ++l) folded |= words[l];
+  return folded;
+}
+
+void CopyStreams(bool streamed, const bench::CopyJob& job) {
+  const MemoryTag d;
+  auto a = hn::Zero(d), b = a, c = a, e = a;
+  for (size_t i = 0; i < job.objects; i += bench::kCopyObjects) {
+    for (const auto& stream : job.reads) {
+      const size_t bytes = bench::kCopyObjects * stream.object_bytes;
+      const uint8_t* const from = stream.begin + i * stream.object_bytes;
+      for (size_t l = 0; l < bytes; l += bench::kReadBytes) {
+        ReadChunk(from + l, a, b, c, e);
+      }
+    }
+    const auto all = hn::Or(hn::Or(a, b), hn::Or(c, e));
+    for (const auto& stream : job.writes) {
+      const size_t words = bench::kCopyObjects * stream.object_bytes / 4;
+      auto* const to =
+          reinterpret_cast<uint32_t*>(stream.begin + i * stream.object_bytes);
+      for (size_t l = 0; l < words; l += hn::Lanes(d)) {
+        if (streamed) {
+          hn::Stream(all, d, to + l);
+        } else {
+          hn::StoreU(all, d, to + l);
+        }
+      }
+    }
+  }
+  if (streamed) hwy::FlushStream();
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace halfspace
+HWY_AFTER_NAMESPACE();
 
 namespace halfspace::bench {
 
@@ -31,19 +101,7 @@ template <>
 TargetLoops LoopsOf<HWY_TARGET>() {
   return {.one_query_lanes = &HWY_NAMESPACE::OneQueryLanes,
           .read = &HWY_NAMESPACE::ReadPlanes,
-          .copy = &HWY_NAMESPACE::CopyStreams,
-          .scan_gated = &HWY_NAMESPACE::ScanGated,
-          .scan_staged = &HWY_NAMESPACE::ScanStaged,
-          .fill_plane_words = &HWY_NAMESPACE::FillPlaneWords,
-          .scan_seven_sided = &HWY_NAMESPACE::ScanSevenSided,
-          .scan_spheres = &HWY_NAMESPACE::ScanSpheres,
-          .scan_spheres_by_axis = &HWY_NAMESPACE::ScanSpheresByAxis,
-          .count_by_or = &HWY_NAMESPACE::CountSimplices<true>,
-          .count_by_and = &HWY_NAMESPACE::CountSimplices<false>,
-          .widths = {HWY_NAMESPACE::LoopsOfWidth<1>(),
-                     HWY_NAMESPACE::LoopsOfWidth<4>(),
-                     HWY_NAMESPACE::LoopsOfWidth<8>(),
-                     HWY_NAMESPACE::LoopsOfWidth<16>()}};
+          .copy = &HWY_NAMESPACE::CopyStreams};
 }
 
 }  // namespace halfspace::bench

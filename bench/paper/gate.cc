@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/inner/target_loops.h"
+#include "bench/paper/loops.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
 #include "bench/sections/verdict.h"
@@ -97,12 +97,14 @@ Tables BranchTables(Run& run) {
   constexpr std::array<ShapeKind, 2> kCompared = {ShapeKind::kAabb,
                                                   ShapeKind::kSimplex};
   constexpr std::array<std::size_t, 2> kPlanes = {1, 2};
+  constexpr std::array<Way, 2> kWays = {Way::kBranches, Way::kLists};
   for (double percent : percents) {
     const Workload scene =
         SceneOfSize(percent / 100.0, size.objects, run.options.seed);
     WorkingSet set(scene, size);
     for (Target target : run.TargetsIn(set.name())) {
-      if (target.lanes() < 4) continue;
+      const StagedScan staged = PaperLoopsFor(target).widest();
+      if (target.lanes() < 4 || staged == nullptr) continue;
       // Of each shape: flat, then branches and lists for each number of planes.
       std::vector<Case> cases;
       for (ShapeKind shape : kCompared) {
@@ -112,11 +114,12 @@ Tables BranchTables(Run& run) {
             set.LibraryCase(name + "flat", shape,
                             {.schedule = Schedule::kFlat, .target = target}));
         for (std::size_t planes : kPlanes) {
-          for (StageWay way : kStageWays) {
-            cases.push_back(set.LoopCase(
-                name + NameOf(way) + "/" + std::to_string(planes), shape,
-                [staged = LoopsFor(target).scan_staged, shape, way,
-                 planes](auto... of) { staged(shape, way, planes, of...); }));
+          for (Way way : kWays) {
+            cases.push_back(
+                set.LoopCase(name + NameOf(way) + "/" + std::to_string(planes),
+                             shape, [staged, shape, way, planes](auto... of) {
+                               staged(shape, way, planes, of...);
+                             }));
           }
         }
       }
@@ -125,7 +128,7 @@ Tables BranchTables(Run& run) {
       for (std::size_t s = 0; s < kCompared.size(); ++s) {
         const Timing* flat = &ns[s * of_shape];
         for (std::size_t p = 0; p < kPlanes.size(); ++p) {
-          const Timing* way = flat + 1 + kStageWays.size() * p;
+          const Timing* way = flat + 1 + kWays.size() * p;
           times.Add({NameOf(target), percent, NameOf(kCompared[s]), kPlanes[p],
                      flat->Median(), way[0].Median(), way[1].Median(),
                      RangeOfRatios(way[0], way[1])});
@@ -183,10 +186,10 @@ Tables RunGate(Run& run) {
       std::vector<Case> cases;
       cases.reserve(kShapes.size());
       for (ShapeKind shape : kShapes) {
-        cases.push_back(set.GatedCase("gate/" + NameOf(target) + "/" +
-                                          std::to_string(w) + "/" +
-                                          NameOf(shape),
-                                      shape, target, w));
+        cases.push_back(GatedCase(set,
+                                  "gate/" + NameOf(target) + "/" +
+                                      std::to_string(w) + "/" + NameOf(shape),
+                                  shape, target, w));
       }
       const std::vector<Timing> ns = run.Time(cases);
       ratios.push_back(RangeOfRatios(ns[0], ns[1]));
@@ -199,14 +202,6 @@ Tables RunGate(Run& run) {
       "At other w the range of the ratio has 1. The paper, on another machine: "
       "2.31 ns (box) and 3.28 ns (simplex) at w = 1, and one crossing, at w of "
       "about 8.");
-  if (run.is_page()) {
-    return {Table{"gate",
-                  "the paper's rule, early-out after every half-space "
-                  "in batches of w (figure 12)",
-                  {},
-                  {},
-                  notes}};
-  }
   table.notes = notes;
   Tables tables = BranchTables(run);
   tables.insert(tables.begin(), std::move(table));

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "bench/base/shape.h"
-#include "bench/inner/target_loops.h"
 #include "halfspace/bounds.h"
 #include "halfspace/world.h"
 
@@ -20,13 +19,8 @@ inline constexpr std::array<std::size_t, 7> kWorkWidths = {1,   8,    16,  64,
                                                            256, 1024, 4096};
 
 // Averages over batches and queries, in the order of kWorkWidths. Planes are
-// evaluated in the paper's order: min X, max X, min Y, ... for the AABB; X, Y,
-// Z, D for the simplex; the up, then the down simplex for the AABO.
-struct WorkCount {
-  std::array<double, kWorkWidths.size()> aabb{};
-  std::array<double, kWorkWidths.size()> simplex{};
-  std::array<double, kWorkWidths.size()> aabo{};
-};
+// evaluated in the order of loops.h.
+using WorkCount = PerShape<std::array<double, kWorkWidths.size()>>;
 
 // Adds up the batches in which each half-space was evaluated. Objects past the
 // last full word of 64 are left out.
@@ -42,14 +36,13 @@ class WorkCounter {
   std::vector<double> Reached(ShapeKind shape) const;
 
  private:
-  // Batches that reach a half-space: per shape (aabb, simplex, aabo), per
-  // half-space in the order of evaluation, per width.
+  // Batches that reach a half-space: per shape, per half-space in the order of
+  // evaluation, per width.
   using ByWidth = std::array<std::uint64_t, kWorkWidths.size()>;
-  using Sums = std::array<std::array<ByWidth, kPlaneWordsPlanes>, 3>;
 
   AaboView3 objects_;
   std::size_t queries_ = 0;
-  Sums reached_{};
+  std::array<std::array<ByWidth, 8>, kShapes.size()> reached_{};
 };
 
 // Table 1 of "The Bounding Simplex: A SIMD-Era Rejection Primitive".

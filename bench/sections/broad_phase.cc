@@ -492,8 +492,6 @@ class BodyChanges {
   using Scene = BodyScene<kDims>;
   using Box = Aabb<kDims>;
   using Boxes = std::vector<Box>;
-  using Space = BroadPhase<AabbView<kDims>>;
-  using Tree = Bvh<AabbView<kDims>>;
 
  public:
   BodyChanges(Run& run, BodyKind kind, std::size_t bodies, Result& result)
@@ -513,123 +511,117 @@ class BodyChanges {
   void RunFrames(std::size_t percent) {
     const Ids moved = percent == 100 ? all_ : scene_.Some(percent);
     if (moved.empty()) return;
-    const bool are_all = moved.size() == all_.size();
     std::vector<Boxes> states;
     for (std::size_t s = 0; s < Scene::kStates; ++s) {
       states.push_back(scene_.At(moved, s));
     }
     std::vector<IdPair> pairs(Pairs(tree_, {}) + all_.size());
-    enum Step { kPlainChange, kPlainSearch, kChange, kSearch, kEvents, kSteps };
-    std::array<Ns, kSteps> ns;
-    std::array<std::size_t, kSteps> found{};
-    const auto run = [&](std::size_t step, const Boxes& boxes) {
-      switch (step) {
-        case kPlainChange:
-          ChangeTree<kDims>(tree_, moved, boxes);
-          break;
-        case kPlainSearch:
-          found[step] =
-              are_all ? Pairs(tree_, pairs) : PairsOf(tree_, moved, pairs);
-          break;
-        case kChange:
-          space_.Move(moved, boxes);
-          space_.Update();
-          break;
-        case kSearch:
-          found[step] = PairsOf(space_, moved, pairs);
-          break;
-        default:
-          space_.UpdatePairs();
-          found[step] = space_.pairs().size();
-      }
-    };
+    std::array<std::size_t, 3> found{};
+    const Boxes* to = nullptr;
     const std::size_t frames =
         run_.is_quick()
             ? 3
             : std::clamp<std::size_t>((1u << 20) / all_.size(), 33, 400);
-    for (std::size_t f = 0; f < frames + 2; ++f) {
-      const std::size_t turn = f % (2 * Scene::kStates - 2);
-      const Boxes& boxes =
-          states[std::min(turn, 2 * Scene::kStates - 2 - turn)];
-      // The broad phase comes first in every other frame.
-      for (std::size_t i = 0; i < kSteps; ++i) {
-        const std::size_t step = f % 2 == 0 ? i : (i < 3 ? kChange + i : i - 3);
-        const double time = CpuNanoseconds([&] { run(step, boxes); });
-        if (f >= 2) ns[step].push_back(time);
-      }
-      const std::size_t expected = Pairs(tree_, {});
-      if (found[kSearch] != found[kPlainSearch] || found[kEvents] != expected) {
-        throw WrongAnswer("broad_phase: the pairs are not those of a Bvh");
-      }
-    }
+    const std::vector<Ns> ns = TimeSteps(
+        frames, 2,
+        [&](std::size_t frame) {
+          if (frame != 0 &&
+              (found[0] != found[1] || found[2] != Pairs(tree_, {}))) {
+            throw WrongAnswer("broad_phase: the pairs are not those of a Bvh");
+          }
+          const std::size_t turn = frame % (2 * Scene::kStates - 2);
+          to = &states[std::min(turn, 2 * Scene::kStates - 2 - turn)];
+        },
+        {[&] { ChangeTree<kDims>(tree_, moved, *to); },
+         [&] {
+           found[0] = moved.size() == all_.size()
+                          ? Pairs(tree_, pairs)
+                          : PairsOf(tree_, moved, pairs);
+         },
+         [&] {
+           space_.Move(moved, *to);
+           space_.Update();
+         },
+         [&] { found[1] = PairsOf(space_, moved, pairs); },
+         [&] {
+           space_.UpdatePairs();
+           found[2] = space_.pairs().size();
+         }});
     const std::string what = "frame of " + std::to_string(percent) + " %, ";
-    Add(what + "move and update", moved.size(), ns[kChange], ns[kPlainChange]);
-    Add(what + "pairs", moved.size(), ns[kSearch], ns[kPlainSearch]);
-    Add(what + "pairs and events, over pairs", moved.size(), ns[kEvents],
-        ns[kPlainSearch]);
+    Add(what + "move and update", moved.size(), ns[2], ns[0]);
+    Add(what + "the longest of them", moved.size(),
+        {*std::max_element(ns[2].begin(), ns[2].end())},
+        {*std::max_element(ns[0].begin(), ns[0].end())});
+    Add(what + "pairs", moved.size(), ns[3], ns[1]);
+    Add(what + "pairs and events, over pairs", moved.size(), ns[4], ns[1]);
   }
 
   // Bodies that do not move, and moves by themselves.
   void RunMoves() {
     const Boxes moved = scene_.At(all_, 1);
-    Ns still;
-    Ns list;
-    Ns single;
-    Repeat([&] {
-      still.push_back(CpuNanoseconds([&] {
-        space_.Move(all_, boxes_);
-        space_.Update();
-      }));
-      list.push_back(CpuNanoseconds([&] { space_.Move(all_, moved); }));
-      space_.Update();
-      single.push_back(CpuNanoseconds([&] {
-        for (std::size_t i = 0; i < all_.size(); ++i) {
-          space_.Move(all_[i], boxes_[i]);
-        }
-      }));
-      space_.Update();
-    });
-    Add("moves of a list", all_.size(), list);
-    Add("single moves", all_.size(), single);
-    Add("still bodies, move and update", all_.size(), still);
+    const auto update = [&] { space_.Update(); };
+    const std::vector<Ns> ns =
+        TimeSteps(Rounds(), 0, [](std::size_t) {},
+                  {[&] {
+                     space_.Move(all_, boxes_);
+                     space_.Update();
+                   },
+                   [&] { space_.Move(all_, moved); }, update,
+                   [&] {
+                     for (std::size_t i = 0; i < all_.size(); ++i) {
+                       space_.Move(all_[i], boxes_[i]);
+                     }
+                   },
+                   update});
+    Add("still bodies, move and update", all_.size(), ns[0]);
+    Add("moves of a list", all_.size(), ns[1]);
+    Add("single moves", all_.size(), ns[3]);
+    result_.changes.notes.push_back(
+        world_ + ", " + Grouped(all_.size()) + " bodies: " +
+        Fixed(static_cast<double>(space_.Statistics().bytes) /
+                  static_cast<double>(all_.size()),
+              0) +
+        " bytes each.");
   }
 
   // A move before each query.
   void RunAlternation(bool is_of_few) {
-    constexpr std::size_t kSteps = 4096;
+    constexpr std::size_t kMoves = 4096;
     Boxes queries;
     Ids moved;
-    for (std::size_t i = 0; i < kSteps; ++i) {
+    for (std::size_t i = 0; i < kMoves; ++i) {
       queries.push_back(scene_.AnyBox(2, random_));
       moved.push_back(static_cast<std::uint32_t>(random_.Below(
           is_of_few ? std::min<std::size_t>(8, all_.size()) : all_.size())));
     }
-    const std::array<Boxes, 2> places = {scene_.At(moved, 1),
-                                         scene_.At(moved, 0)};
-    std::array<Ns, 2> ns;
-    std::size_t turn = 0;
-    Repeat([&] {
-      const Boxes& to = places[turn++ % 2];
-      std::array<std::size_t, 2> found{};
-      ns[0].push_back(CpuNanoseconds([&] {
-        for (std::size_t i = 0; i < kSteps; ++i) {
-          space_.Move(moved[i], to[i]);
-          found[0] += CountOf(space_, queries[i]);
-        }
-      }));
-      ns[1].push_back(CpuNanoseconds([&] {
-        for (std::size_t i = 0; i < kSteps; ++i) {
-          tree_.Set(moved[i], to[i]);
-          found[1] += CountOf(tree_, queries[i]);
-        }
-      }));
-      if (found[0] != found[1]) {
-        throw WrongAnswer("broad_phase: a query misses a move");
-      }
-    });
+    const std::array<Boxes, 2> places = {scene_.At(moved, 0),
+                                         scene_.At(moved, 1)};
+    std::array<std::size_t, 2> found{};
+    const Boxes* to = nullptr;
+    const std::vector<Ns> ns =
+        TimeSteps(Rounds(), 1,
+                  [&](std::size_t round) {
+                    if (found[0] != found[1]) {
+                      throw WrongAnswer("broad_phase: a query misses a move");
+                    }
+                    found = {};
+                    to = &places[round % 2];
+                  },
+                  {[&] {
+                     for (std::size_t i = 0; i < kMoves; ++i) {
+                       space_.Move(moved[i], (*to)[i]);
+                       found[0] += CountOf(space_, queries[i]);
+                     }
+                   },
+                   [&] {
+                     for (std::size_t i = 0; i < kMoves; ++i) {
+                       tree_.Set(moved[i], (*to)[i]);
+                       found[1] += CountOf(tree_, queries[i]);
+                     }
+                   }});
     Add(std::string("move of ") + (is_of_few ? "one of 8" : "any body") +
             " and a query",
-        kSteps, ns[0], ns[1]);
+        kMoves, ns[0], ns[1]);
     space_.Move(all_, boxes_);
     space_.Update();
     tree_.Refit(boxes_);
@@ -638,31 +630,33 @@ class BodyChanges {
   // 16 bodies at a time leave and come back, and all of them.
   void RunInserts() {
     for (const std::size_t count : {std::size_t{16}, all_.size()}) {
-      Ns inserts;
-      Ns erasures;
-      const std::size_t times =
-          count == all_.size() ? 5 : 10 * run_.effort.repetitions;
-      for (std::size_t r = 0; r < times; ++r) {
-        Ids some = all_;
-        for (std::size_t i = 0; count < all_.size() && i < count; ++i) {
-          std::swap(some[i], some[i + random_.Below(some.size() - i)]);
-        }
-        some.resize(std::min(count, some.size()));
-        Boxes boxes;
-        for (std::uint32_t id : some) boxes.push_back(boxes_[id]);
-        erasures.push_back(CpuNanoseconds([&] {
-          space_.Erase(some);
-          space_.Update();
-        }));
-        inserts.push_back(CpuNanoseconds([&] {
-          space_.Insert(some, boxes);
-          space_.Update();
-        }));
-      }
+      Ids some = all_;
+      some.resize(std::min(count, some.size()));
+      Boxes boxes = boxes_;
+      const std::vector<Ns> ns = TimeSteps(
+          count == all_.size() ? 5 : 3 * Rounds(), 0,
+          [&](std::size_t) {
+            for (std::size_t i = 0; count < all_.size() && i < count; ++i) {
+              // Each from a range of its own, so that none comes twice.
+              const std::size_t share = all_.size() / count;
+              some[i] = all_[i * share + random_.Below(share)];
+            }
+            for (std::size_t i = 0; i < some.size(); ++i) {
+              boxes[i] = boxes_[some[i]];
+            }
+          },
+          {[&] {
+             space_.Erase(some);
+             space_.Update();
+           },
+           [&] {
+             space_.Insert(some, {boxes.data(), some.size()});
+             space_.Update();
+           }});
       const std::string of = (count == all_.size() ? " of all" : " of 16") +
                              std::string(", and update");
-      Add("insert" + of, count, inserts);
-      Add("erasure" + of, count, erasures);
+      Add("erasure" + of, some.size(), ns[0]);
+      Add("insert" + of, some.size(), ns[1]);
     }
   }
 
@@ -692,19 +686,20 @@ class BodyChanges {
     };
     std::array<Ns, 2> ns;
     try {
-      Repeat([&] {
+      for (std::size_t r = 0; r < Rounds(); ++r) {
         for (std::size_t threads : {1, 2}) {
           std::array<double, 2> of_thread{};
           RunTeam(threads, [&](std::size_t thread) {
             const std::size_t share = all_.size() / threads;
             of_thread[thread] = CpuNanoseconds([&] {
-              work(thread * share, thread + 1 == threads ? all_.size() : share);
+              work(thread * share,
+                   thread + 1 == threads ? all_.size() : (thread + 1) * share);
             });
           });
           ns[threads - 1].push_back(std::max(of_thread[0], of_thread[1]));
           space_.Update();
         }
-      });
+      }
       Add("moves and queries, one thread", all_.size(), ns[0]);
       Add("moves and queries, two threads", all_.size(), ns[1]);
     } catch (const std::system_error& error) {
@@ -723,10 +718,7 @@ class BodyChanges {
     return count;
   }
 
-  template <typename Work>
-  void Repeat(Work work) const {
-    for (std::size_t r = 0; r < 3 * run_.effort.repetitions; ++r) work();
-  }
+  std::size_t Rounds() const { return 3 * run_.effort.repetitions; }
 
   void Add(const std::string& what, std::size_t bodies, const Ns& ours,
            const Ns& plain = {}) {
@@ -748,8 +740,8 @@ class BodyChanges {
   Random random_;
   Ids all_;
   Boxes boxes_;
-  Tree tree_;
-  Space space_;
+  Bvh<AabbView<kDims>> tree_;
+  BroadPhase<AabbView<kDims>> space_;
   std::string world_;
 };
 

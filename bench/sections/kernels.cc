@@ -12,9 +12,10 @@ namespace {
 void AddRows(Run& run, WorkingSet& set, ShapeKind shape, Table& table) {
   const std::string place = set.name() + "/" + NameOf(shape) + "/";
   std::vector<Case> cases;
-  for (ReadWay way : {ReadWay::kByWord, ReadWay::kByPlane}) {
-    cases.push_back(set.ReadCase("read/" + place + NameOf(way), shape, way,
-                                 SupportedTargets().front()));
+  for (bool by_plane : {false, true}) {
+    cases.push_back(
+        set.ReadCase("read/" + place + (by_plane ? "by plane" : "by word"),
+                     shape, by_plane, SupportedTargets().front()));
   }
   const std::size_t reads = cases.size();
   std::vector<Row> rows;

@@ -103,9 +103,9 @@ std::vector<std::string> SplitAtCommas(const std::string& list) {
 
 std::string CheckSections(const std::string& list) {
   for (const std::string& name : SplitAtCommas(list)) {
-    const bool is_section =
-        std::any_of(Sections().begin(), Sections().end(),
-                    [&](const Section& each) { return each.name == name; });
+    const bool is_section = std::any_of(
+        ThisProgram().sections.begin(), ThisProgram().sections.end(),
+        [&](const Section& each) { return each.name == name; });
     if (name != kAllSections && !is_section) {
       return "\"" + name + "\" is not a section; --list prints them";
     }
@@ -167,21 +167,21 @@ bool BenchOptions::Wants(std::string_view section) const {
     return std::find(details.begin(), details.end(), name) != details.end();
   };
   if (!details.empty()) return has(section) || has(kAllSections);
-  return std::any_of(Sections().begin(), Sections().end(),
+  return std::any_of(ThisProgram().sections.begin(),
+                     ThisProgram().sections.end(),
                      [section](const Section& each) {
                        return each.name == section && (each.flags & kPage) != 0;
                      });
 }
 
 bool ParseOptions(int argc, char** argv, BenchOptions& options) {
-  CLI::App app{
-      "Measures on this machine when a bounding simplex rejects faster than a "
-      "box,\nand when it does not."};
-  app.name("cpuinfo-bench");
+  CLI::App app{ThisProgram().what};
+  app.name(ThisProgram().name);
   app.formatter(std::make_shared<Help>());
-  app.set_version_flag("--version",
-                       std::string("cpuinfo-bench ") + HALFSPACE_VERSION_STRING,
-                       "Print the version and exit");
+  app.set_version_flag(
+      "--version",
+      std::string(ThisProgram().name) + " " + HALFSPACE_VERSION_STRING,
+      "Print the version and exit");
   app.add_flag("--quick", options.is_quick,
                "Use a smaller scene and fewer repetitions: about 40 seconds");
   std::vector<std::string> lists;
@@ -278,6 +278,13 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
     for (std::string& section : SplitAtCommas(list)) {
       options.details.push_back(std::move(section));
     }
+  }
+  // A program without a page runs all of its sections.
+  if (options.details.empty() &&
+      std::none_of(
+          ThisProgram().sections.begin(), ThisProgram().sections.end(),
+          [](const Section& each) { return (each.flags & kPage) != 0; })) {
+    options.details.emplace_back(kAllSections);
   }
   options.format = format == "json" ? Format::kJson : Format::kText;
   return true;

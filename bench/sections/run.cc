@@ -60,7 +60,8 @@ Run::Run(const BenchOptions& run_options, std::optional<Workload> input,
 
 bool Run::NeedsScene() const {
   return std::any_of(
-      Sections().begin(), Sections().end(), [this](const Section& section) {
+      ThisProgram().sections.begin(), ThisProgram().sections.end(),
+      [this](const Section& section) {
         const bool needs = (section.flags & kPaperScene) != 0 ||
                            (!input_ && (section.flags & kScene) != 0);
         return needs && options.Wants(section.name);

@@ -1,4 +1,5 @@
-// The list of sections. A section measures or counts, and returns tables.
+// The list of sections of a program. A section measures or counts, and returns
+// tables.
 #ifndef HALFSPACE_BENCH_SECTIONS_SECTIONS_H_
 #define HALFSPACE_BENCH_SECTIONS_SECTIONS_H_
 
@@ -12,11 +13,13 @@ namespace halfspace::bench {
 class Run;
 
 // Flags: the page has the section; it measures the scene, unless there is a
-// file; or the scene in any case; it reads what other sections leave in Run.
+// file; or the scene in any case; it reads what other sections leave in Run; it
+// reads the verdict.
 inline constexpr unsigned kPage = 1;
 inline constexpr unsigned kScene = 2;
 inline constexpr unsigned kPaperScene = 4;
 inline constexpr unsigned kLast = 8;
+inline constexpr unsigned kVerdict = 16;
 
 struct Section {
   std::string_view name;
@@ -25,8 +28,15 @@ struct Section {
   unsigned flags;
 };
 
-// From sections.def.
-std::span<const Section> Sections();
+// A program is this library and its list of sections.
+struct Program {
+  const char* name;
+  const char* what;  // for --help
+  std::span<const Section> sections;
+};
+
+// The one that is linked: its sections.cc defines it.
+const Program& ThisProgram();
 
 }  // namespace halfspace::bench
 

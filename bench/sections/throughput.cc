@@ -1,22 +1,18 @@
-// Many queries in a call, next to what limits them: one loop over kinds of
-// worlds and calls.
+// Many queries in a call.
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <numeric>
-#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "bench/base/shape.h"
 #include "bench/base/text.h"
-#include "bench/inner/target_loops.h"
-#include "bench/sections/contest.h"
+#include "bench/sections/run.h"
 #include "bench/sections/sections.h"
 #include "bench/worlds/scene.h"
 #include "halfspace/quantized.h"
@@ -25,273 +21,174 @@
 namespace halfspace::bench {
 namespace {
 
-constexpr std::size_t kManyObjects = 10'000'000;
-constexpr std::size_t kQuickManyObjects = 1'000'000;
-constexpr std::size_t kManyQueries = 100;
-constexpr std::size_t kQueriesInL1 = 16;
-
-// A kind of world: objects, and the queries that a call answers.
-struct Kind {
+// A world, and what its calls write.
+struct Scene {
   std::string name;
   AaboWorld3 objects;
   ShapeQueries queries;
-  QuantizedWorld<AaboView3> quantized = {};
-  std::array<std::vector<std::size_t>, kShapes.size()> counts = {};
+  QuantizedWorld<AaboView3> quantized{objects};
+  std::vector<std::uint64_t> masks =
+      std::vector<std::uint64_t>(queries.size() * MaskWords(objects.size()));
+  std::vector<std::size_t> counts = std::vector<std::size_t>(queries.size());
+  std::vector<std::uint32_t> ids = {};
+  std::vector<std::uint32_t> of_queries = {};
 
   // Of each query, by a flat scan.
-  const std::vector<std::size_t>& CountsOf(ShapeKind shape) {
-    std::vector<std::size_t>& of = counts[static_cast<std::size_t>(shape)];
-    if (of.empty()) {
-      of.resize(queries.size());
-      queries.With(
-          shape, objects.view(), [&](const auto& view, const auto& some) {
-            SurvivorCounts(view, some, of, {.schedule = Schedule::kFlat});
-          });
-    }
-    return of;
+  std::vector<std::size_t> CountsOf(ShapeKind shape) const {
+    std::vector<std::size_t> found(queries.size());
+    queries.With(shape, objects.view(), [&](const auto& view, const auto& all) {
+      SurvivorCounts(view, all, found, {.schedule = Schedule::kFlat});
+    });
+    return found;
   }
 };
 
-// What a call writes.
-struct Output {
-  std::vector<std::uint64_t> masks;
-  std::vector<std::uint32_t> queries;
-  std::vector<std::uint32_t> ids;
-  std::vector<std::size_t> counts;
-};
-
-// How a call answers all queries, and how many survivors it found of each.
+// A call for all queries, and how many survivors it found of each.
 struct Call {
   std::string name;
   ShapeKind shape;
-  std::function<void(Kind& kind, Target target, Output& to)> run;
-  std::function<void(Output& to)> count = [](Output&) {};
+  std::function<void(Scene& scene, Target target)> run;
+  std::function<void(Scene& scene)> count = [](Scene&) {};
 };
 
-void CountMasks(Output& to) {
-  const std::size_t words = to.masks.size() / to.counts.size();
-  for (std::size_t q = 0; q < to.counts.size(); ++q) {
-    to.counts[q] = 0;
-    for (std::size_t w = 0; w < words; ++w) {
-      to.counts[q] +=
-          static_cast<std::size_t>(std::popcount(to.masks[q * words + w]));
-    }
-  }
-}
-
 Call MasksCall(ShapeKind shape) {
-  return {
-      std::string(NameOf(shape)) + " flat, masks of many", shape,
-      [shape](Kind& kind, Target target, Output& to) {
-        to.masks.resize(kind.queries.size() * MaskWords(kind.objects.size()));
-        kind.queries.With(
-            shape, kind.objects.view(),
-            [&](const auto& view, const auto& queries) {
-              SurvivorMasks(view, queries, to.masks,
-                            {.schedule = Schedule::kFlat, .target = target});
-            });
-      },
-      &CountMasks};
-}
-
-Call CountsCall() {
-  return {"simplex, counts of many", ShapeKind::kSimplex,
-          [](Kind& kind, Target target, Output& to) {
-            SurvivorCounts(kind.objects.view().simplex(),
-                           kind.queries.simplices(), to.counts,
-                           {.target = target});
+  return {std::string(NameOf(shape)) + " flat, masks of many", shape,
+          [shape](Scene& scene, Target target) {
+            scene.queries.With(shape, scene.objects.view(),
+                               [&](const auto& view, const auto& queries) {
+                                 SurvivorMasks(view, queries, scene.masks,
+                                               {.schedule = Schedule::kFlat,
+                                                .target = target});
+                               });
+          },
+          [](Scene& scene) {
+            const std::size_t words = MaskWords(scene.objects.size());
+            for (std::size_t q = 0; q < scene.counts.size(); ++q) {
+              scene.counts[q] = 0;
+              for (std::size_t w = 0; w < words; ++w) {
+                scene.counts[q] += static_cast<std::size_t>(
+                    std::popcount(scene.masks[q * words + w]));
+              }
+            }
           }};
 }
 
-Call RefinedCountsCall() {
-  return {"AABO uint8 refined, counts of many", ShapeKind::kAabo,
-          [](Kind& kind, Target target, Output& to) {
-            SurvivorCounts(kind.quantized, kind.queries.aabos(), to.counts,
-                           {.target = target});
-          }};
-}
-
-// Every surviving pair. world_of(kind) is what it scans.
+// Every surviving pair. world_of(scene) is what it scans.
 template <typename WorldOf>
 Call PairsCall(const char* name, WorldOf world_of) {
   return {name, ShapeKind::kAabo,
-          [world_of](Kind& kind, Target target, Output& to) {
-            if (to.ids.empty()) {
-              const auto& counts = kind.CountsOf(ShapeKind::kAabo);
-              to.ids.resize(std::accumulate(counts.begin(), counts.end(),
-                                            std::size_t{1}));
-              to.queries.resize(to.ids.size());
-            }
-            const std::size_t pairs =
-                SurvivorPairs(world_of(kind), kind.queries.aabos(), to.queries,
-                              to.ids, {.target = target});
-            to.queries.back() = static_cast<std::uint32_t>(pairs);
+          [world_of](Scene& scene, Target target) {
+            const std::size_t pairs = SurvivorPairs(
+                world_of(scene), scene.queries.aabos(),
+                std::span(scene.of_queries), scene.ids, {.target = target});
+            KeepResult(static_cast<std::uint32_t>(pairs));
           },
-          [](Output& to) {
-            std::fill(to.counts.begin(), to.counts.end(), std::size_t{0});
-            const std::size_t pairs =
-                std::min<std::size_t>(to.queries.back(), to.ids.size() - 1);
-            for (std::size_t i = 0; i < pairs; ++i) ++to.counts[to.queries[i]];
+          [](Scene& scene) {
+            std::fill(scene.counts.begin(), scene.counts.end(), 0u);
+            for (std::uint32_t query : scene.of_queries) ++scene.counts[query];
           }};
 }
 
-// The loop that one would write instead, and that a compiler vectorises.
-Call VectorisedCall(CountSimplices TargetLoops::*loop) {
-  return {"baseline: vectorised simplex", ShapeKind::kSimplex,
-          [loop](Kind& kind, Target target, Output& to) {
-            const SimplexView3 view = kind.objects.view().simplex();
-            (LoopsFor(target).*
-             loop)({{view.min[0], view.min[1], view.min[2], view.min[3]},
-                    view.size,
-                    kind.queries.simplices().front().max.data(),
-                    kind.queries.size(),
-                    to.counts.data()});
-          }};
-}
-
-// A row: the fastest of some calls on a world. With `of`, the row that is its
-// ceiling, a place in the same list.
-struct Line {
-  Kind* kind;
+std::vector<Call> Calls() {
   std::vector<Call> calls;
-  std::optional<std::size_t> of = {};
-  const char* suffix = "";
-};
+  for (ShapeKind shape : kShapes) calls.push_back(MasksCall(shape));
+  calls.push_back({"AABO uint8 refined, counts of many", ShapeKind::kAabo,
+                   [](Scene& scene, Target target) {
+                     SurvivorCounts(scene.quantized, scene.queries.aabos(),
+                                    scene.counts, {.target = target});
+                   }});
+  calls.push_back({"simplex, counts of many", ShapeKind::kSimplex,
+                   [](Scene& scene, Target target) {
+                     SurvivorCounts(scene.objects.view().simplex(),
+                                    scene.queries.simplices(), scene.counts,
+                                    {.target = target});
+                   }});
+  calls.push_back(PairsCall(
+      "AABO uint8 refined, pairs",
+      [](const Scene& scene) -> const auto& { return scene.quantized; }));
+  calls.push_back(PairsCall("AABO floats, pairs", [](const Scene& scene) {
+    return scene.objects.view();
+  }));
+  return calls;
+}
 
-Case CaseOf(Kind& kind, const Call& call, Target target) {
-  const auto to = std::make_shared<Output>();
-  to->counts.resize(kind.queries.size());
-  const std::size_t pairs = kind.queries.size() * kind.objects.size();
+Case CaseOf(Scene& scene, const Call& call, Target target) {
+  const std::size_t pairs = scene.queries.size() * scene.objects.size();
   const std::size_t rounds = std::max<std::size_t>(1, kObjectsPerRun / pairs);
   Case c;
-  c.name = "throughput/" + kind.name + "/" + NameOf(target) + "/" + call.name;
+  c.name = "throughput/" + scene.name + "/" + NameOf(target) + "/" + call.name;
   c.group = "throughput";
   c.items = static_cast<double>(rounds * pairs);
-  c.run = [&kind, call, target, to, rounds] {
-    for (std::size_t i = 0; i < rounds; ++i) call.run(kind, target, *to);
+  c.run = [&scene, call, target, rounds] {
+    for (std::size_t i = 0; i < rounds; ++i) call.run(scene, target);
   };
-  c.check = [&kind, call, target, to]() -> std::string {
-    call.run(kind, target, *to);
-    call.count(*to);
-    const std::vector<std::size_t>& expected = kind.CountsOf(call.shape);
-    for (std::size_t q = 0; q < expected.size(); ++q) {
-      if (to->counts[q] != expected[q]) {
-        return "query " + std::to_string(q) + ": " +
-               std::to_string(to->counts[q]) + " survivors, not " +
-               std::to_string(expected[q]);
-      }
-    }
-    return {};
+  c.check = [&scene, call, target]() -> std::string {
+    std::fill(scene.counts.begin(), scene.counts.end(), 99u);
+    call.run(scene, target);
+    call.count(scene);
+    return scene.counts == scene.CountsOf(call.shape)
+               ? ""
+               : "the survivors are not as many as a flat scan finds";
   };
   return c;
 }
 
-void AddRows(Run& run, const std::vector<Line>& lines, Target target,
-             Table& table) {
-  std::vector<Case> cases;
-  for (const Line& line : lines) {
-    for (const Call& call : line.calls) {
-      cases.push_back(CaseOf(*line.kind, call, target));
-    }
-  }
-  Effort effort = run.effort;
-  effort.repetitions = std::min<std::size_t>(effort.repetitions, 5);
-  const std::vector<Timing> timings = run.Time(cases, effort);
-  std::vector<const Timing*> fastest;
-  std::vector<std::string> names;
-  std::size_t next = 0;
-  for (const Line& line : lines) {
-    const auto first = timings.begin() + static_cast<std::ptrdiff_t>(next);
-    const auto best = std::min_element(
-        first, first + static_cast<std::ptrdiff_t>(line.calls.size()),
-        [](const Timing& a, const Timing& b) {
-          return a.Median() < b.Median();
-        });
-    next += line.calls.size();
-    fastest.push_back(&*best);
-    names.push_back(line.calls[static_cast<std::size_t>(best - first)].name +
-                    line.suffix);
-  }
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    Row row = {names[i],
-               lines[i].kind->name,
-               NameOf(target),
-               lines[i].kind->objects.size(),
-               lines[i].kind->queries.size(),
-               fastest[i]->Median(),
-               Cell(),
-               Cell()};
-    if (lines[i].of) {
-      row[6] = names[*lines[i].of];
-      row[7] = RatioOf(*fastest[*lines[i].of], *fastest[i]).Percent();
-    }
-    table.Add(std::move(row));
-  }
-}
+}  // namespace
 
-AaboView3 FloatsOf(const Kind& kind) { return kind.objects.view(); }
-const QuantizedWorld<AaboView3>& QuantizedOf(const Kind& kind) {
-  return kind.quantized;
-}
-
-// 100 queries a call, next to 16 in the first-level cache and to the loop that
-// one would write instead.
-void RunScene(Run& run, Table& table) {
-  const std::size_t objects = run.is_quick() ? kQuickManyObjects : kManyObjects;
+// 100 queries a call, and 16 in the first-level cache.
+Tables RunThroughput(Run& run) {
+  Table table{"throughput",
+              "many queries in a call: ns per object and query",
+              {Key("what"), Key("set"), Key("target"), Key("objects"),
+               Key("queries"), Lower("ns/pair", "", 4)}};
+  constexpr std::size_t kQueries = 100;
+  const std::size_t objects = run.is_quick() ? 1'000'000 : 10'000'000;
   // Floats, quantized bounds with their records, and a bit for each query.
-  constexpr std::size_t kBytes = 32 + 8 + 32 + kManyQueries / 8 + 1;
+  constexpr std::size_t kBytes = 32 + 8 + 32 + kQueries / 8 + 1;
   const std::size_t available = run.machine.available_memory;
   if (run.machine.is_emulated ||
       (available != 0 && objects * kBytes > available / 4)) {
-    table.notes.push_back(
-        "Not measured: many queries. Their scene needs " +
-        Mebibytes(objects * kBytes) +
-        ", more than a quarter of the free memory, or the CPU is emulated.");
-    return;
+    table.notes.push_back("Not measured: the scene needs " +
+                          Mebibytes(objects * kBytes) +
+                          ", more than a quarter of the free memory, or the "
+                          "CPU is emulated.");
+    return {table};
   }
-  Workload made =
-      MakeScene(objects, kManyQueries, run.options.seed, [](double) {});
-  Kind scene{"scene", std::move(made.objects), ShapeQueries(made.queries)};
-  scene.quantized = QuantizedWorld<AaboView3>(scene.objects);
   const Workload& workload = run.Measured();
   std::vector<Aabo3> few;
-  for (std::size_t q = 0; q < kQueriesInL1; ++q) {
+  for (std::size_t q = 0; q < 16; ++q) {
     few.push_back(workload.queries[q % workload.queries.size()]);
   }
-  for (Target target : run.WidthTargets()) {
-    for (ShapeKind shape : kShapes) {
-      const std::size_t record = PlaneCountOf(shape) * sizeof(float);
-      const std::size_t in_half =
-          run.machine.CacheBytes(1) / 2 / record / 64 * 64;
-      Kind in_cache{
-          "L1", ResizedTo(workload.objects, std::max<std::size_t>(64, in_half)),
-          ShapeQueries(few)};
-      AddRows(run,
-              {{&in_cache, {MasksCall(shape)}, {}, ", again"},
-               {&scene, {MasksCall(shape)}, 0}},
-              target, table);
+  Workload made = MakeScene(objects, kQueries, run.options.seed, [](double) {});
+  std::vector<Scene> scenes;
+  scenes.push_back(
+      {"L1",
+       ResizedTo(workload.objects, run.Reached({"L1"}).empty()
+                                       ? 512
+                                       : run.Reached({"L1"})[0].objects),
+       ShapeQueries(few)});
+  scenes.push_back(
+      {"scene", std::move(made.objects), ShapeQueries(made.queries)});
+  Effort effort = run.effort;
+  effort.repetitions = std::min<std::size_t>(effort.repetitions, 5);
+  for (Scene& scene : scenes) {
+    const std::vector<std::size_t> counts = scene.CountsOf(ShapeKind::kAabo);
+    scene.ids.resize(
+        std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
+    scene.of_queries.resize(scene.ids.size());
+    for (Target target : run.WidthTargets()) {
+      std::vector<Case> cases;
+      for (const Call& call : Calls()) {
+        cases.push_back(CaseOf(scene, call, target));
+      }
+      const std::vector<Timing> timings = run.Time(cases, effort);
+      for (std::size_t i = 0; i < timings.size(); ++i) {
+        table.Add({Calls()[i].name, scene.name, NameOf(target),
+                   scene.objects.size(), scene.queries.size(),
+                   SpreadOf(timings[i])});
+      }
     }
-    AddRows(run,
-            {{&scene, {RefinedCountsCall()}},
-             {&scene, {CountsCall()}},
-             {&scene, {PairsCall("AABO uint8 refined, pairs", &QuantizedOf)}},
-             {&scene, {PairsCall("AABO floats, pairs", &FloatsOf)}},
-             {&scene,
-              {VectorisedCall(&TargetLoops::count_by_or),
-               VectorisedCall(&TargetLoops::count_by_and)}}},
-            target, table);
   }
-}
-
-}  // namespace
-
-Tables RunThroughput(Run& run) {
-  Table table{
-      "throughput",
-      "ns per object and query, next to its ceiling",
-      {Key("what"), Key("set"), Key("target"), Key("objects"), Key("queries"),
-       Value("ns/pair", "", 4), Value("ceiling"), Value("% of it", "", 0)}};
-  RunScene(run, table);
   return {table};
 }
 

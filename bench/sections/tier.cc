@@ -1,8 +1,9 @@
 // A call of kernels.h, and the checked one of reject.h, beside loops that are
 // written by hand for the target.
 #include <algorithm>
-#include <memory>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/base/shape.h"
@@ -13,89 +14,9 @@
 #include "bench/worlds/working_set.h"
 #include "halfspace/kernels.h"
 #include "halfspace/reject.h"
-#include "tests/reference/reference.h"
 
 namespace halfspace::bench {
 namespace {
-
-constexpr std::size_t kSizes[] = {64, 256, 4096, 16384};
-
-// The objects and queries of a shape, as the calls take them.
-struct Arrays {
-  AaboWorld3 world;
-  ShapeKind shape;
-  std::vector<const float*> planes;
-  std::vector<float> values;  // of one query after the other
-  std::vector<Aabo3> queries;
-
-  std::size_t size() const { return world.size(); }
-  const float* ValuesOf(std::size_t query) const {
-    return &values[query * PlaneCountOf(shape)];
-  }
-};
-
-// Whether the masks of some queries are those of the reference.
-template <typename Test>
-std::string Check(const Arrays& arrays, const Test& test) {
-  std::vector<std::uint64_t> mask(MaskWords(arrays.size()));
-  std::vector<std::uint64_t> rejected(mask.size());
-  const std::size_t checked = std::min<std::size_t>(64, arrays.queries.size());
-  for (std::size_t q = 0; q < checked; ++q) {
-    WithShape(arrays.shape, arrays.world.view(), arrays.queries[q],
-              [&](const auto& view, const auto& query) {
-                reference::RejectMask(view, query, rejected.data());
-              });
-    test(q, mask.data());
-    for (std::size_t w = 0; w < mask.size(); ++w) {
-      if (mask[w] != ~rejected[w]) {
-        return "query " + std::to_string(q) +
-               ": the mask is not the scalar reference's";
-      }
-    }
-  }
-  return {};
-}
-
-// Calls test(query, mask) for one query after the other.
-template <typename Test>
-Case CaseOf(std::string name, const std::shared_ptr<Arrays>& arrays,
-            const Test& test) {
-  Case c = CaseOfQueries(
-      std::move(name), arrays->queries.size(), arrays->size(),
-      [test, mask = std::vector<std::uint64_t>(MaskWords(arrays->size()))](
-          std::size_t q) mutable { test(q, mask.data()); });
-  c.check = [arrays, test] { return Check(*arrays, test); };
-  return c;
-}
-
-// One that calls function(planes, n, query, mask).
-Case UncheckedCase(std::string name, const std::shared_ptr<Arrays>& arrays,
-                   LoopByHand function) {
-  return CaseOf(
-      std::move(name), arrays,
-      [arrays = arrays.get(), function](std::size_t q, std::uint64_t* mask) {
-        function(arrays->planes.data(), arrays->size(), arrays->ValuesOf(q),
-                 mask);
-      });
-}
-
-// One that calls SurvivorMask().
-Case CheckedCase(std::string name, const std::shared_ptr<Arrays>& arrays,
-                 Target target) {
-  return WithShape(
-      arrays->shape, arrays->world.view(), arrays->queries.front(),
-      [&]<typename Query>(const auto& view, const Query& /*query*/) {
-        std::vector<Query> queries;
-        for (const Aabo3& query : arrays->queries) {
-          queries.push_back(SeenAs<Query>(query));
-        }
-        return CaseOf(
-            std::move(name), arrays, [=](std::size_t q, std::uint64_t* mask) {
-              SurvivorMask(view, queries[q], {mask, MaskWords(view.size)},
-                           {.target = target});
-            });
-      });
-}
 
 Kernels<float>::OfBound KernelsFor(ShapeKind shape, Target target) {
   const Kernels<float>& kernels = KernelsOf<float>(target);
@@ -104,48 +25,65 @@ Kernels<float>::OfBound KernelsFor(ShapeKind shape, Target target) {
                                         : kernels.octahedra3;
 }
 
-void AddRows(Run& run, const std::shared_ptr<Arrays>& arrays, Table& table) {
-  for (Target target : run.targets) {
-    const LoopByHand by_hand = LoopByHandOf(arrays->shape, target.name());
-    if (by_hand == nullptr) continue;
-    const std::string place = std::string(NameOf(arrays->shape)) + "/" +
-                              NameOf(target) + "/" +
-                              std::to_string(arrays->size());
-    const std::vector<Timing> timings =
-        run.Time({UncheckedCase("tier/by hand/" + place, arrays, by_hand),
-                  UncheckedCase("tier/kernels/" + place, arrays,
-                                KernelsFor(arrays->shape, target).one),
-                  CheckedCase("tier/checked/" + place, arrays, target)});
-    table.Add({NameOf(arrays->shape), NameOf(target), arrays->size(),
-               SpreadOf(timings[0]), SpreadOf(timings[1]),
-               RatioOf(timings[1], timings[0]),
-               RatioOf(timings[2], timings[0])});
+void AddRows(Run& run, WorkingSet& set, ShapeKind shape, Target target,
+             Table& table) {
+  const LoopByHand by_hand = LoopByHandOf(shape, target.name());
+  if (by_hand == nullptr) return;
+  const std::string place = "tier/" + std::string(NameOf(shape)) + "/" +
+                            NameOf(target) + "/" +
+                            std::to_string(set.objects()) + "/";
+  // Of each query, its values one after the other, and a mask that survives.
+  const std::size_t count = PlaneCountOf(shape);
+  std::vector<float> values;
+  for (const Aabo3& query : set.queries()) {
+    const std::vector<float> of_query = QueryOf(shape, query);
+    values.insert(values.end(), of_query.begin(), of_query.end());
+  }
+  const std::vector<const float*> planes = PlanesOf(shape, set.view());
+  const auto unchecked = [&](const char* name, LoopByHand loop) {
+    return set.CallCase(
+        place + name, shape, [&, loop](std::size_t q, std::uint64_t* mask) {
+          loop(planes.data(), set.objects(), &values[q * count], mask);
+        });
+  };
+  const auto checked = WithShape(
+      shape, set.view(), set.queries().front(),
+      [&]<typename Query>(const auto& view, const Query& /*query*/) {
+        std::vector<Query> queries;
+        for (const Aabo3& query : set.queries()) {
+          queries.push_back(SeenAs<Query>(query));
+        }
+        return set.CallCase(place + "reject.h", shape,
+                            [view, target, queries = std::move(queries)](
+                                std::size_t q, std::uint64_t* mask) {
+                              SurvivorMask(view, queries[q],
+                                           {mask, MaskWords(view.size)},
+                                           {.target = target});
+                            });
+      });
+  constexpr const char* kNames[] = {"by hand", "kernels.h", "reject.h"};
+  const std::vector<Timing> timings =
+      run.Time({unchecked(kNames[0], by_hand),
+                unchecked(kNames[1], KernelsFor(shape, target).one), checked});
+  for (std::size_t i = 0; i < timings.size(); ++i) {
+    table.Add({NameOf(shape), NameOf(target), set.objects(), kNames[i],
+               SpreadOf(timings[i]), RatioOf(timings[i], timings[0])});
   }
 }
 
 }  // namespace
 
 Tables RunTier(Run& run) {
-  Table table{
-      "tier",
-      "a call of kernels.h and one of reject.h, beside loops by hand",
-      {Key("shape"), Key("target"), Key("objects"), Value("by hand", "ns", 1),
-       Value("kernels.h", "ns", 1), Lower("kernels.h / by hand", "", 2),
-       Lower("reject.h / by hand", "", 2)}};
-  const Workload& workload = run.Measured();
-  for (std::size_t objects : kSizes) {
+  Table table{"tier",
+              "a call of kernels.h and one of reject.h, beside loops by hand",
+              {Key("shape"), Key("target"), Key("objects"), Key("by"),
+               Value("time", "ns", 1), Lower("over by hand")}};
+  for (std::size_t objects : {64, 256, 4096, 16384}) {
+    WorkingSet set(run.Measured(), {"tier", objects});
     for (ShapeKind shape : kShapes) {
-      auto arrays = std::make_shared<Arrays>();
-      arrays->world = ResizedTo(workload.objects, objects);
-      arrays->shape = shape;
-      arrays->planes = PlanesOf(shape, arrays->world.view());
-      arrays->queries = workload.timed_queries;
-      for (const Aabo3& query : arrays->queries) {
-        const std::vector<float> values = QueryOf(shape, query);
-        arrays->values.insert(arrays->values.end(), values.begin(),
-                              values.end());
+      for (Target target : run.targets) {
+        AddRows(run, set, shape, target, table);
       }
-      AddRows(run, arrays, table);
     }
   }
   if (table.is_empty()) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bench/base/text.h"
+#include "bench/inner/target_loops.h"
 #include "bench/measure/counts.h"
 #include "bench/measure/groups.h"
 #include "bench/report/table.h"
@@ -22,9 +23,6 @@ constexpr std::array<double, 7> kPercents = {0.1, 0.3,  1.0, 2.0,
                                              3.0, 10.0, 30.0};
 
 constexpr std::size_t kRepetitions = 6;
-
-constexpr const char* kEmulated =
-    "Not measured: the CPU is emulated, and its times mean nothing.";
 
 double MedianOf(const std::vector<double>& values) {
   return RangeOf(values).median;
@@ -82,11 +80,6 @@ std::string Indented(const std::string& name) {
 std::string WithExactTests(double exact_ns) {
   return "With an exact test of " + Fixed(exact_ns, exact_ns < 9.5 ? 1 : 0) +
          " ns for each survivor, ";
-}
-
-// "AVX2, 8", or "scalar".
-std::string ColumnName(Target target, std::size_t lanes) {
-  return NameOf(target) + (lanes == 1 ? "" : ", " + std::to_string(lanes));
 }
 
 std::vector<double> SizesOf(const Verdict& verdict) {
@@ -230,7 +223,7 @@ Table TimesTable(const Verdict& verdict, std::string name) {
   for (const VerdictWorld& world : verdict.worlds()) {
     for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
       const VerdictCell& cell = world.cells[c];
-      const auto contenders = verdict.columns()[c].contenders();
+      const auto contenders = verdict.columns()[c].contenders;
       for (std::size_t i = 0; i < contenders.size(); ++i) {
         std::vector<double> ratios = cell.ns[i];
         for (std::size_t g = 0; g < ratios.size(); ++g) {
@@ -363,33 +356,26 @@ std::vector<std::string> ExactRatioLead(const RatioRow& row, double exact_ns) {
               WinnerText(row.box_over_simplex) + " (" + row.name + ")."};
 }
 
+std::vector<Contender> LibraryContenders() {
+  std::vector<Contender> contenders;
+  for (ShapeKind shape : {ShapeKind::kSimplex, ShapeKind::kAabb}) {
+    contenders.push_back({shape, "auto", Schedule::kAuto});
+    contenders.push_back({shape, "flat", Schedule::kFlat});
+    contenders.push_back({shape, "staged", Schedule::kStaged});
+  }
+  return contenders;
+}
+
+std::string ColumnName(Target target, std::size_t lanes) {
+  return NameOf(target) + (lanes == 1 ? "" : ", " + std::to_string(lanes));
+}
+
 std::vector<VerdictColumn> LibraryColumns(const Run& run) {
   std::vector<VerdictColumn> columns;
   for (std::size_t t = run.targets.size(); t-- > 0;) {
     const Target target = run.targets[t];
-    const TargetLoops loops = LoopsFor(target);
-    const std::size_t lanes = loops.one_query_lanes();
-    columns.push_back({ColumnName(target, lanes), target});
-    const WidthLoops& widest = loops.widths.back();
-    if (widest.lanes > lanes) {
-      columns.push_back({ColumnName(target, widest.lanes), target, widest});
-    }
-  }
-  return columns;
-}
-
-std::vector<VerdictColumn> WidthColumns(const Run& run) {
-  std::vector<Target> targets = {run.best()};
-  const std::optional<Target> scalar = FindTarget("SCALAR");
-  if (run.options.target.empty() && scalar && *scalar != run.best()) {
-    targets.insert(targets.begin(), *scalar);
-  }
-  std::vector<VerdictColumn> columns;
-  for (Target target : targets) {
-    for (const WidthLoops& loops : LoopsFor(target).widths) {
-      if (loops.lanes == 0) continue;
-      columns.push_back({ColumnName(target, loops.lanes), target, loops});
-    }
+    columns.push_back({ColumnName(target, LoopsFor(target).one_query_lanes()),
+                       target, LibraryContenders()});
   }
   return columns;
 }
@@ -468,16 +454,14 @@ Verdict::Place Verdict::MakePlace(Run& run, double percent) const {
 Verdict::Times Verdict::TimePlace(Run& run, Place& place, std::size_t column,
                                   const Effort& effort) const {
   std::vector<Case> cases;
-  const VerdictColumn& loops = columns_[column];
-  for (const Contender& contender : loops.contenders()) {
-    const std::string name = "verdict/" + loops.name + "/" +
-                             NameOf(contender.shape) + "/" + contender.schedule;
-    cases.push_back(contender.loop != nullptr
-                        ? place.set->LoopCase(name, contender.shape,
-                                              loops.loops.*contender.loop)
-                        : place.set->LibraryCase(name, contender.shape,
-                                                 {.schedule = contender.how,
-                                                  .target = loops.target}));
+  const auto& [column_name, target, contenders] = columns_[column];
+  for (const auto& [shape, schedule, how, loop] : contenders) {
+    const std::string name =
+        "verdict/" + column_name + "/" + NameOf(shape) + "/" + schedule;
+    cases.push_back(
+        loop ? place.set->LoopCase(name, shape, loop)
+             : place.set->LibraryCase(name, shape,
+                                      {.schedule = how, .target = target}));
     // Other groups differ in their places in memory alone.
     if (groups_ != 0) cases.back().check = nullptr;
   }
@@ -487,7 +471,7 @@ Verdict::Times Verdict::TimePlace(Run& run, Place& place, std::size_t column,
   std::vector<std::vector<double>> box;
   for (std::size_t c = 0; c < cases.size(); ++c) {
     times.ns.push_back(timings[c].Median());
-    (loops.contenders()[c].shape == ShapeKind::kSimplex ? simplex : box)
+    (contenders[c].shape == ShapeKind::kSimplex ? simplex : box)
         .push_back(timings[c].samples);
   }
   times.simplex = BestTime(simplex);
@@ -567,25 +551,9 @@ void Verdict::AddGroup(Run& run) {
 }
 
 std::size_t Verdict::best_column() const {
-  const auto paper = std::min_element(
-      worlds_.begin(), worlds_.end(), [](const auto& a, const auto& b) {
-        return std::abs(a.percent - 2.0) < std::abs(b.percent - 2.0);
-      });
-  const auto time = [&](std::size_t c) {
-    return MedianOf(paper->cells[c].simplex) + MedianOf(paper->cells[c].box);
-  };
-  std::size_t best = columns_.size();
-  for (std::size_t c = 0; c < columns_.size(); ++c) {
-    if (columns_[c].target != best_target_) continue;
-    if (best == columns_.size() || time(c) < time(best)) best = c;
-  }
+  std::size_t best = columns_.size() - 1;
+  while (best > 0 && columns_[best].target != best_target_) --best;
   return best;
-}
-
-std::vector<Target> Verdict::targets() const {
-  std::vector<Target> targets;
-  for (const VerdictColumn& column : columns_) targets.push_back(column.target);
-  return targets;
 }
 
 namespace {
@@ -610,60 +578,39 @@ Crossings Verdict::CrossingsWithExact(std::size_t column) const {
   return RangesOf(spans_with_exact_[column]);
 }
 
-Tables RunVerdict(Run& run) {
-  if (run.machine.is_emulated) {
-    return {{"verdict", "simplex or box", {}, {}, {kEmulated}}};
-  }
-  const Verdict& verdict = run.TheVerdict();
+Tables VerdictTables(Run& run, const Verdict& verdict, const std::string& name,
+                     const std::string& title) {
   const ExactTest exact = run.TheExactTest();
-  const std::string what =
-      "time of the best float box scan / time of the best simplex scan";
-  Tables tables = {TableOf(verdict, "verdict", what + ", one query, L2", 0.0)};
-  Table& table = tables[0];
-  table.lead = LeadOf(verdict, exact.ns.median);
   const std::size_t cells = verdict.worlds().size() * verdict.columns().size();
-  if (run.is_page()) {
-    table.notes.push_back(PromiseText(verdict, cells));
-    return tables;
-  }
-  table.notes.push_back(PromiseText(verdict, 2 * cells));
-  tables.push_back(TableOf(verdict, "verdict: with exact tests",
+  Tables tables = {TableOf(verdict, name, title + ", one query, L2", 0.0)};
+  tables[0].lead = LeadOf(verdict, exact.ns.median);
+  tables[0].notes.push_back(
+      PromiseText(verdict, run.is_page() ? cells : 2 * cells));
+  if (run.is_page()) return tables;
+  tables.push_back(TableOf(verdict, name + ": with exact tests",
                            "the same with an exact test of " +
                                Fixed(exact.ns.median, 0) + " ns (" +
                                exact.name + ") of each survivor",
                            exact.ns.median));
-  if (!verdict.is_of_file())
-    tables.push_back(CrossingsTable(verdict, "verdict: sizes", exact));
-  tables.push_back(TimesTable(verdict, "verdict: times"));
+  if (!verdict.is_of_file()) {
+    tables.push_back(CrossingsTable(verdict, name + ": sizes", exact));
+  }
+  tables.push_back(TimesTable(verdict, name + ": times"));
   return tables;
 }
 
-Tables RunWidth(Run& run) {
+Tables RunVerdict(Run& run) {
   if (run.machine.is_emulated) {
-    return {{"width", "simplex or box", {}, {}, {kEmulated}}};
+    return {{"verdict",
+             "simplex or box",
+             {},
+             {},
+             {"Not measured: the CPU is emulated, and its times mean "
+              "nothing."}}};
   }
-  Verdict verdict(run, WidthColumns(run));
-  for (std::size_t g = 0; g < kGroups; ++g) {
-    run.progress.BeginPart(g, kGroups);
-    verdict.AddGroup(run);
-  }
-  const std::size_t cells = verdict.worlds().size() * verdict.columns().size();
-  Table table = TableOf(verdict, "width",
-                        "time of the best float box scan / time of the best "
-                        "simplex scan by the lanes of vectors, one query, L2",
-                        0.0);
-  table.notes.push_back(
-      "The same loops, flat or staged, are compiled for vectors of each width. "
-      "They differ in their lanes, and from scalar code in the instruction "
-      "set.");
-  table.notes.push_back(PromiseText(verdict, cells));
-  Tables tables = {std::move(table)};
-  if (!verdict.is_of_file()) {
-    tables.push_back(
-        CrossingsTable(verdict, "width: sizes", run.TheExactTest()));
-  }
-  tables.push_back(TimesTable(verdict, "width: times"));
-  return tables;
+  return VerdictTables(
+      run, run.TheVerdict(), "verdict",
+      "time of the best float box scan / time of the best simplex scan");
 }
 
 }  // namespace halfspace::bench

@@ -13,6 +13,7 @@
 #include "bench/base/shape.h"
 #include "bench/measure/crossing.h"
 #include "bench/measure/measure.h"
+#include "bench/report/table.h"
 #include "bench/worlds/working_set.h"
 #include "halfspace/targets.h"
 
@@ -27,28 +28,15 @@ enum class Winner { kSimplex, kBox, kNone };
 Winner WinnerOf(const Ratio& box_over_simplex);
 const char* NameOf(Winner winner);
 
-// Both bounds choose from equally many schedules.
 struct Contender {
   ShapeKind shape;
   const char* schedule;
-  Schedule how;  // of the library
-  WidthScan WidthLoops::*loop = nullptr;
+  Schedule how = {};           // of the library
+  WorkingSet::Scan loop = {};  // in place of the library, if it is not empty
 };
-inline constexpr std::array<Contender, 6> kContenders = {
-    {{ShapeKind::kSimplex, "auto", Schedule::kAuto},
-     {ShapeKind::kSimplex, "flat", Schedule::kFlat},
-     {ShapeKind::kSimplex, "staged", Schedule::kStaged},
-     {ShapeKind::kAabb, "auto", Schedule::kAuto},
-     {ShapeKind::kAabb, "flat", Schedule::kFlat},
-     {ShapeKind::kAabb, "staged", Schedule::kStaged}}};
 
-// The same of loops with vectors of a given width.
-inline constexpr std::array<Contender, 4> kWidthContenders = {
-    {{ShapeKind::kSimplex, "flat", Schedule::kFlat, &WidthLoops::simplex_flat},
-     {ShapeKind::kSimplex, "staged", Schedule::kStaged,
-      &WidthLoops::simplex_staged},
-     {ShapeKind::kAabb, "flat", Schedule::kFlat, &WidthLoops::box_flat},
-     {ShapeKind::kAabb, "staged", Schedule::kStaged, &WidthLoops::box_staged}}};
+// Those of the library. Both bounds choose from equally many schedules.
+std::vector<Contender> LibraryContenders();
 
 // The time of the best of some contenders, whose repetitions are `samples`. The
 // best is chosen in one half of the repetitions and timed in the other half,
@@ -56,24 +44,20 @@ inline constexpr std::array<Contender, 4> kWidthContenders = {
 // would be too short, and the more so the more contenders there are.
 double BestTime(std::span<const std::vector<double>> samples);
 
-// A target and the lanes of its vectors.
+// A target and the lanes of the vectors that are used. Of each shape, the
+// simplex first, the contenders end with those of the schedules flat and
+// staged.
 struct VerdictColumn {
   std::string name;  // "AVX2, 8"
   Target target;
-  WidthLoops loops = {};  // without lanes: the library's
-
-  std::span<const Contender> contenders() const {
-    if (loops.lanes == 0) return kContenders;
-    return kWidthContenders;
-  }
+  std::vector<Contender> contenders;
 };
 
-// What the library has for each target, the narrowest first. Where it uses
-// shorter vectors than the target has, loops with the whole vectors, too.
+// "AVX2, 8", or "scalar".
+std::string ColumnName(Target target, std::size_t lanes);
+
+// What the library has for each target, the narrowest first.
 std::vector<VerdictColumn> LibraryColumns(const Run& run);
-// The same loops with vectors of each width of the best target, after those of
-// scalar code.
-std::vector<VerdictColumn> WidthColumns(const Run& run);
 
 // One world and column.
 struct VerdictCell {
@@ -140,10 +124,8 @@ class Verdict {
   std::size_t groups() const { return groups_; }
   // The narrowest first.
   const std::vector<VerdictColumn>& columns() const { return columns_; }
-  // The target of each column.
-  std::vector<Target> targets() const;
-  // The one of the target that programs get. Of two of that target, the one in
-  // which both bounds together take less time in the paper's scene.
+  // The one of the target that programs get. Of some of that target, the one
+  // with the longest vectors.
   std::size_t best_column() const;
   const std::vector<VerdictWorld>& worlds() const { return worlds_; }
   bool is_of_file() const { return worlds_.front().percent == 0.0; }
@@ -179,6 +161,10 @@ class Verdict {
   WorkingSetSize size_;
   Effort effort_;
 };
+
+// The tables of a verdict, in a section of that name.
+Tables VerdictTables(Run& run, const Verdict& verdict, const std::string& name,
+                     const std::string& title);
 
 }  // namespace halfspace::bench
 

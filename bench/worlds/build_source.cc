@@ -24,6 +24,13 @@ std::size_t ObjectsFor(std::size_t bytes, std::size_t bytes_per_object) {
                   bytes / bytes_per_object / kCopyObjects * kCopyObjects);
 }
 
+// Adds an array that describes all objects, which a copy reads.
+template <typename T>
+void Read(BuildSource& source, const T* begin, std::size_t count) {
+  source.copy.reads.push_back({reinterpret_cast<const unsigned char*>(begin),
+                               count * sizeof(T) / source.objects});
+}
+
 BuildSource SourceOf(std::string shapes, std::size_t objects) {
   BuildSource source;
   source.shapes = std::move(shapes);
@@ -34,8 +41,12 @@ BuildSource SourceOf(std::string shapes, std::size_t objects) {
   source.built = std::make_shared<AaboWorld3>();
   source.built->Resize(objects);
   const AaboPlanes3 planes = source.built->planes();
-  for (float* plane : planes.min) source.copy.Write(plane, objects);
-  for (float* plane : planes.max) source.copy.Write(plane, objects);
+  for (const auto& all : {planes.min, planes.max}) {
+    for (float* plane : all) {
+      source.copy.writes.push_back(
+          {reinterpret_cast<unsigned char*>(plane), sizeof(float)});
+    }
+  }
   return source;
 }
 
@@ -59,8 +70,8 @@ BuildSource MakeBoxes(const Workload& workload, std::size_t bytes) {
     boxes->Push(BoxOf(workload, i));
   }
   const AabbView3 view = boxes->view();
-  for (const float* plane : view.min) source.copy.Read(plane, view.size);
-  for (const float* plane : view.max) source.copy.Read(plane, view.size);
+  for (const float* plane : view.min) Read(source, plane, view.size);
+  for (const float* plane : view.max) Read(source, plane, view.size);
   source.build = [boxes, built = source.built](const FitOptions& options,
                                                FitStatus* status) {
     return BoundBoxes(BoxesOf(boxes->view()), built->planes(), options, status);
@@ -85,7 +96,7 @@ BuildSource MakeSpheres(const Workload& workload, std::size_t bytes) {
     columns->Push(UpSimplex3{{center[0], center[1], center[2], radius}});
   }
   const SimplexView3 view = columns->view();
-  for (const float* plane : view.min) source.copy.Read(plane, view.size);
+  for (const float* plane : view.min) Read(source, plane, view.size);
   source.build = [columns, built = source.built](const FitOptions& options,
                                                  FitStatus* status) {
     const SimplexView3 all = columns->view();
@@ -124,8 +135,8 @@ BuildSource MakeTriangles(const Workload& workload, std::size_t bytes) {
     for (std::size_t corner : {v, v + 1, v + kRow}) add(corner);
     for (std::size_t corner : {v + 1, v + kRow, v + kRow + 1}) add(corner);
   }
-  source.copy.Read(mesh->indices.data(), mesh->indices.size());
-  source.copy.Read(mesh->coords.data(), mesh->coords.size());
+  Read(source, mesh->indices.data(), mesh->indices.size());
+  Read(source, mesh->coords.data(), mesh->coords.size());
   source.build = [mesh, built = source.built](const FitOptions& options,
                                               FitStatus* status) {
     return BoundTriangles(mesh->vertices(), mesh->indices, built->planes(),
@@ -166,9 +177,9 @@ BuildSource MakePointSets(const Workload& workload, std::size_t bytes) {
     sets->ends.push_back((i + 1) * kPointsOfSet);
   }
   for (const auto& column : sets->coords) {
-    source.copy.Read(column.data(), column.size());
+    Read(source, column.data(), column.size());
   }
-  source.copy.Read(sets->ends.data(), sets->ends.size());
+  Read(source, sets->ends.data(), sets->ends.size());
   source.build = [sets, built = source.built](const FitOptions& options,
                                               FitStatus* status) {
     return BoundPointSets(sets->points(0, sets->coords[0].size()), sets->ends,

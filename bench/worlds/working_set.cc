@@ -26,7 +26,7 @@ constexpr std::size_t kMostChecked = 256;
 std::vector<WorkingSetSize> WorkingSetSizes(const Machine& machine) {
   std::vector<WorkingSetSize> sizes;
   for (int level = 1; level <= 3; ++level) {
-    const std::size_t step = level == 1 ? 64 : kWidestGate;
+    const std::size_t step = level == 1 ? 64 : kSetStep;
     const std::size_t bytes = machine.CacheBytes(level) / 2;
     WorkingSetSize size{"L" + std::to_string(level),
                         RoundDown(bytes / kAaboBytes, step), "", bytes};
@@ -40,7 +40,7 @@ std::vector<WorkingSetSize> WorkingSetSizes(const Machine& machine) {
   const std::size_t bytes =
       std::max(4 * machine.LastLevelBytes(), kLeastMemory);
   const std::size_t wanted =
-      RoundDown(bytes / kSimplexBytes, kWidestGate) + kWidestGate;
+      RoundDown(bytes / kSimplexBytes, kSetStep) + kSetStep;
   WorkingSetSize memory{"memory", wanted, "", bytes};
   // What cannot be known is taken for enough for the smallest of machines.
   const std::size_t available = machine.available_memory == 0
@@ -84,7 +84,7 @@ std::string WorkingSet::Check(ShapeKind shape, const WriteMask& write) {
   }
   for (std::size_t q = 0; q < checked_queries_; ++q) {
     std::fill(mask_.begin(), mask_.end(), 0x5555555555555555);
-    write(queries_[q]);
+    write(q);
     const auto first =
         expected.begin() + static_cast<std::ptrdiff_t>(q * mask_.size());
     const auto wrong = std::mismatch(mask_.begin(), mask_.end(), first).first;
@@ -99,8 +99,7 @@ std::string WorkingSet::Check(ShapeKind shape, const WriteMask& write) {
 
 Case WorkingSet::MakeCase(std::string name, ShapeKind shape,
                           const WriteMask& write) {
-  Case c = CaseOfQueries(std::move(name), queries_.size(), objects(),
-                         [this, write](std::size_t q) { write(queries_[q]); });
+  Case c = CaseOfQueries(std::move(name), queries_.size(), objects(), write);
   c.items *= static_cast<double>(objects());
   c.check = [this, shape, write] { return Check(shape, write); };
   return c;
@@ -108,35 +107,35 @@ Case WorkingSet::MakeCase(std::string name, ShapeKind shape,
 
 Case WorkingSet::LibraryCase(std::string name, ShapeKind shape,
                              const Options& options) {
-  return MakeCase(
-      std::move(name), shape, [this, shape, options](const Aabo3& aabo) {
-        WithShape(shape, view_, aabo, [&](const auto& view, const auto& query) {
-          RejectMask(view, query, mask_, options);
-        });
-      });
+  return MakeCase(std::move(name), shape,
+                  [this, shape, options](std::size_t q) {
+                    WithShape(shape, view_, queries_[q],
+                              [&](const auto& view, const auto& query) {
+                                RejectMask(view, query, mask_, options);
+                              });
+                  });
 }
 
 Case WorkingSet::LoopCase(std::string name, ShapeKind shape, const Scan& scan) {
   return MakeCase(
       std::move(name), shape,
-      [this, scan, shape, planes = PlanesOf(shape, view_)](const Aabo3& aabo) {
-        const std::vector<float> query = QueryOf(shape, aabo);
+      [this, scan, shape, planes = PlanesOf(shape, view_)](std::size_t q) {
+        const std::vector<float> query = QueryOf(shape, queries_[q]);
         scan(planes.data(), query.data(), objects(), mask_.data());
       });
 }
 
-Case WorkingSet::ReadCase(std::string name, ShapeKind shape, ReadWay way,
+Case WorkingSet::ReadCase(std::string name, ShapeKind shape, bool by_plane,
                           Target target) const {
   const std::size_t rounds =
       std::max<std::size_t>(1, kObjectsPerRun / objects());
   Case c;
   c.name = std::move(name);
   c.items = static_cast<double>(objects() * rounds);
-  c.run = [read = LoopsFor(target).read, way, rounds,
-           planes = BytesOf(PlanesOf(shape, view_)),
-           bytes = objects() * sizeof(float)] {
+  c.run = [read = LoopsFor(target).read, by_plane, rounds,
+           planes = PlanesOf(shape, view_), bytes = objects() * sizeof(float)] {
     for (std::size_t i = 0; i < rounds; ++i) {
-      KeepResult(read(way, planes.data(), planes.size(), bytes));
+      KeepResult(read(by_plane, planes.data(), planes.size(), bytes));
     }
   };
   return c;

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "bench/base/shape.h"
-#include "bench/inner/target_loops.h"
 #include "bench/measure/machine.h"
 #include "bench/measure/measure.h"
 #include "bench/worlds/workload.h"
@@ -23,6 +22,9 @@ namespace halfspace::bench {
 // One run of a case goes through this many objects at least, so that calls of a
 // function object cost nothing beside them.
 inline constexpr std::size_t kObjectsPerRun = std::size_t{1} << 16;
+
+// The objects of sets beyond L1 are a multiple of this.
+inline constexpr std::size_t kSetStep = 4096;
 
 // A case that calls test(q) for one of `queries` queries after the other, each
 // over so many objects. It is timed per call.
@@ -47,10 +49,10 @@ Case CaseOfQueries(std::string name, std::size_t queries, std::size_t objects,
 
 // Where the planes of a world lie, and how many objects that is.
 struct WorkingSetSize {
-  std::string name;             // "L1", "L2", "L3" or "memory"
-  std::size_t objects = 0;      // a multiple of 4096, in L1 of 64
-  std::string why_not_reached;  // empty if it is
-  std::size_t bytes = 0;        // half the cache; in memory, of the simplex
+  std::string name;                  // "L1", "L2", "L3" or "memory"
+  std::size_t objects = 0;           // a multiple of 4096, in L1 of 64
+  std::string why_not_reached = {};  // empty if it is
+  std::size_t bytes = 0;  // half the cache; in memory, of the simplex
 };
 
 // The octahedra take at most half of each cache; in "memory" the smallest
@@ -76,12 +78,27 @@ class WorkingSet {
 
   // Empty if `write`, called for each query that has been answered by the
   // scalar reference, leaves the right reject mask; else what is wrong.
-  using WriteMask = std::function<void(const Aabo3& query)>;
+  using WriteMask = std::function<void(std::size_t query)>;
   std::string Check(ShapeKind shape, const WriteMask& write);
 
   // A case that calls `write` for one query after the other, of all that are to
   // be timed. It is named `name` and timed per object.
   Case MakeCase(std::string name, ShapeKind shape, const WriteMask& write);
+
+  // The case of test(query, mask), which writes the survivor mask. It is timed
+  // per call, without a function pointer.
+  template <typename Test>
+  Case CallCase(std::string name, ShapeKind shape, const Test& test) {
+    const auto write = [this, test](std::size_t q) { test(q, mask_.data()); };
+    Case c = CaseOfQueries(std::move(name), queries_.size(), objects(), write);
+    c.check = [this, shape, write] {
+      return Check(shape, [this, write](std::size_t q) {
+        write(q);
+        for (std::uint64_t& word : mask_) word = ~word;
+      });
+    };
+    return c;
+  }
 
   // The case of a call of the library.
   Case LibraryCase(std::string name, ShapeKind shape, const Options& options);
@@ -92,16 +109,9 @@ class WorkingSet {
       std::function<void(const float* const* planes, const float* query,
                          std::size_t size, std::uint64_t* mask)>;
   Case LoopCase(std::string name, ShapeKind shape, const Scan& scan);
-  // An early-out after every half-space, in batches of `width`.
-  Case GatedCase(std::string name, ShapeKind shape, Target target,
-                 std::size_t width) {
-    return LoopCase(std::move(name), shape,
-                    [gated = LoopsFor(target).scan_gated, shape,
-                     width](auto... of) { gated(shape, width, of...); });
-  }
 
   // Reading the shape's planes, with the vectors of a target.
-  Case ReadCase(std::string name, ShapeKind shape, ReadWay way,
+  Case ReadCase(std::string name, ShapeKind shape, bool by_plane,
                 Target target) const;
 
  private:

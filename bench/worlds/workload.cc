@@ -100,8 +100,6 @@ Workload WorkloadOfTriangles(std::string name,
                              std::size_t queries) {
   Workload workload{std::move(name), {}, {}};
   workload.objects.Reserve(indices.size() / 3);
-  workload.corners.reserve(
-      9 * std::min(indices.size() / 3, kMostObjectsWithCorners));
   for (std::size_t t = 0; t + 2 < indices.size(); t += 3) {
     std::array<float, 9> corners;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -109,20 +107,14 @@ Workload WorkloadOfTriangles(std::string name,
                   &corners[3 * c]);
     }
     workload.objects.Push(BoundPoints(Points3{corners.data(), 3}));
-    if (workload.objects.size() <= kMostObjectsWithCorners) {
-      workload.corners.insert(workload.corners.end(), corners.begin(),
-                              corners.end());
-    }
   }
   QueryWith(workload, workload.objects, queries);
   return workload;
 }
 
-Workload BoxesOf(const Workload& workload, std::size_t most) {
+Workload BoxesOf(const Workload& workload) {
   Workload boxes{"boxes of " + workload.name, {}, {}};
-  const std::size_t objects = std::min(most, workload.objects.size());
-  boxes.objects.Reserve(objects);
-  for (std::size_t i = 0; i < objects; ++i) {
+  for (std::size_t i = 0; i < workload.objects.size(); ++i) {
     boxes.objects.Push(BoundAabb(workload.objects.Get(i).aabb()));
   }
   for (const Aabo3& query : workload.timed_queries) {

@@ -18,9 +18,6 @@ namespace halfspace::bench {
 // a tree takes a half to a fifth of the time.
 inline constexpr std::size_t kTimedQueries = 20000;
 
-// So many take 9 MiB, more than they take in any cache but the last.
-inline constexpr std::size_t kMostObjectsWithCorners = std::size_t{1} << 18;
-
 struct Workload {
   std::string name;  // "scene", or the file it was read from
   AaboWorld3 objects;
@@ -28,10 +25,6 @@ struct Workload {
 
   // To time one after the other.
   std::vector<Aabo3> timed_queries = {};
-
-  // Of a mesh: x y z of the corners of object 0, then of object 1, ... of at
-  // most kMostObjectsWithCorners.
-  std::vector<float> corners = {};
 };
 
 // A world of exactly `objects` objects: those of the workload, again and again
@@ -63,9 +56,9 @@ Workload WorkloadOfTriangles(std::string name,
                              const std::vector<std::uint32_t>& indices,
                              std::size_t queries);
 
-// Octahedra around the boxes of a workload's first objects, and around those of
-// the queries to be timed: content that is known as boxes only.
-Workload BoxesOf(const Workload& workload, std::size_t most);
+// Octahedra around the boxes of a workload, and around those of the queries to
+// be timed: content that is known as boxes only.
+Workload BoxesOf(const Workload& workload);
 
 // Boxes as a workload, and as what is queried with.
 Workload WorkloadOfBoxes(std::string name, const std::vector<Aabb3>& boxes,

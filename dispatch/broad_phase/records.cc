@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "halfspace/detail/plane_arrays.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::detail {
 namespace {
@@ -68,13 +69,13 @@ bool Records::Read(std::uint32_t id, float* planes) const {
 
 template <typename EightAt>
 std::uint64_t Records::Group::MarksBy(std::size_t w, const EightAt& eight_at) {
+  // Moves byte i, 0 or 1, to bit 56 + i.
+  constexpr std::uint64_t kGather = std::endian::native == std::endian::little
+                                        ? 0x0102040810204080
+                                        : 0x8040201008040201;
   std::uint64_t bits = 0;
   for (std::size_t i = 0; i < 8; ++i) {
-    std::uint64_t bytes = eight_at(8 * w + i);
-    if constexpr (std::endian::native == std::endian::big) {
-      bytes = __builtin_bswap64(bytes);
-    }
-    bits |= bytes * 0x0102040810204080 >> 56 << 8 * i;
+    bits |= eight_at(8 * w + i) * kGather >> 56 << 8 * i;
   }
   return bits;
 }
@@ -97,7 +98,7 @@ std::uint64_t Records::Group::TakeMarksOf(std::size_t w) {
 
 // Sets a mark while marks are being taken. Repeats that until the mark will be
 // found.
-[[gnu::noinline]] void Records::MarkAgain(std::uint32_t id) {
+HALFSPACE_NOINLINE void Records::MarkAgain(std::uint32_t id) {
   Group& group = *GroupAt(id / kGroupIds);
   const std::uint64_t bit = std::uint64_t{1} << id / 64 % 64;
   const auto is_marked = [&] {

@@ -36,7 +36,7 @@
 #include "halfspace/mask.h"
 #include "halfspace/memory.h"
 #include "halfspace/span.h"
-#include "kernels/prefetch.h"
+#include "kernels/compiler.h"
 
 #if defined(__has_feature)
 #if __has_feature(thread_sanitizer)

@@ -18,7 +18,7 @@
 #include "dispatch/exact/default_fp_mode.h"
 #include "halfspace/bvh.h"
 #include "halfspace/mask.h"
-#include "kernels/prefetch.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::detail {
 namespace {

@@ -14,7 +14,7 @@
 #include "dispatch/exact/default_fp_mode.h"
 #include "dispatch/exact/outward.h"
 #include "halfspace/mask.h"
-#include "kernels/prefetch.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::detail {
 namespace {

@@ -84,8 +84,13 @@ inline void CopyButChecksum(void* to, const std::byte* from,
               bytes - kAfter);
 }
 
-inline std::atomic_ref<std::uint64_t> Checksum(BvhHeader& header) {
-  return std::atomic_ref<std::uint64_t>(header.checksum);
+// Not an std::atomic_ref, which libc++ has since its version 19.
+inline std::atomic<std::uint64_t>& Checksum(BvhHeader& header) {
+  using Atomic = std::atomic<std::uint64_t>;
+  static_assert(sizeof(Atomic) == sizeof(header.checksum));
+  static_assert(alignof(Atomic) == sizeof(header.checksum));
+  static_assert(Atomic::is_always_lock_free);
+  return reinterpret_cast<Atomic&>(header.checksum);
 }
 
 inline constexpr char kBvhMagic[8] = {'h', 'a', 'l', 'f', 's', 'o', 'r', 't'};

@@ -19,6 +19,7 @@
 #include "dispatch/errors/number_checks.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/detail/plane_arrays.h"
+#include "kernels/compiler.h"
 #include "kernels/results.h"
 
 namespace halfspace::detail {
@@ -173,8 +174,8 @@ class Search {
     sink.Flush();
   }
 
-  [[gnu::noinline]] void RunParts(std::size_t parts, std::size_t expected,
-                                  PairList& found) const {
+  HALFSPACE_NOINLINE void RunParts(std::size_t parts, std::size_t expected,
+                                   PairList& found) const {
     LockedMemory memory(found.memory());
     struct Part {
       PairList found;

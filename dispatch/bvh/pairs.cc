@@ -16,6 +16,7 @@
 #include "dispatch/sink.h"
 #include "halfspace/bvh_pairs.h"
 #include "kernels/bvh/block.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::detail {
 namespace {
@@ -133,9 +134,9 @@ class ObjectSet {
 
   // For a world without slots by id. A function of its own, because its tables
   // would make the stack frame of its caller large.
-  [[gnu::noinline]] void Search(const MemoryResource& memory,
-                                Span<const std::uint32_t> ids,
-                                Span<const std::uint32_t> wanted) {
+  HALFSPACE_NOINLINE void Search(const MemoryResource& memory,
+                                 Span<const std::uint32_t> ids,
+                                 Span<const std::uint32_t> wanted) {
     const std::size_t size = levels_.level[0].size;
     const Scratch bits(memory, BlocksOf(size) * sizeof(std::uint64_t));
     const std::uint32_t* const id_of = levels_.ids;
@@ -192,10 +193,10 @@ std::array<float, 4> MarginsOf(const PlaneLayout& layout, float margin) {
 }
 
 // A function of its own, as Search().
-[[gnu::noinline]] void JoinSet(const BvhPairKernels& kernels, PairJoin& join,
-                               const BvhTree& tree,
-                               Span<const std::uint32_t> ids,
-                               Span<const std::uint32_t> wanted) {
+HALFSPACE_NOINLINE void JoinSet(const BvhPairKernels& kernels, PairJoin& join,
+                                const BvhTree& tree,
+                                Span<const std::uint32_t> ids,
+                                Span<const std::uint32_t> wanted) {
   const ObjectSet set(tree, ids, wanted);
   join.set = &set.slots();
   kernels.join(join);

@@ -1,8 +1,11 @@
 #include "dispatch/errors/error.h"
 
+#include <array>
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
+#include <limits>
 #include <string>
 
 #include "dispatch/exact/default_fp_mode.h"
@@ -17,6 +20,33 @@ std::string Name(std::string_view argument, std::size_t index) {
   std::string name(argument);
   if (index == Error::kNoIndex) return name;
   return name + "[" + std::to_string(index) + "]";
+}
+
+// Not by std::to_chars(), which macOS has since its version 13.3.
+template <typename Scalar>
+std::string TextOf(Scalar value) {
+  using Limits = std::numeric_limits<Scalar>;
+  std::array<char, 32> printed;
+  // Conversions compute, so the caller's mode could round them or trap them.
+  dispatch::InDefaultFpMode([&] {
+    for (int digits = Limits::digits10; digits <= Limits::max_digits10;
+         ++digits) {
+      std::snprintf(printed.data(), printed.size(), "%.*g", digits,
+                    double{value});
+      const double read = std::strtod(printed.data(), nullptr);
+      if (static_cast<Scalar>(read) == value) break;
+    }
+  });
+  // The point can be another character, of several bytes.
+  std::string text;
+  for (const char* c = printed.data(); *c != '\0'; ++c) {
+    if (std::strchr("+-0123456789einfa", *c) != nullptr) {
+      text += *c;
+    } else if (text.back() != '.') {
+      text += '.';
+    }
+  }
+  return text;
 }
 
 }  // namespace
@@ -37,6 +67,9 @@ Error::Error(std::string_view call, std::string_view argument,
 ErrorHandler SetErrorHandler(ErrorHandler handler) noexcept {
   return error_handler.exchange(handler);
 }
+
+std::string detail::NumberText(float value) { return TextOf(value); }
+std::string detail::NumberText(double value) { return TextOf(value); }
 
 bool dispatch::HasErrorHandler() { return error_handler.load() != nullptr; }
 

@@ -3,10 +3,7 @@
 #ifndef HALFSPACE_DISPATCH_ERRORS_ERROR_H_
 #define HALFSPACE_DISPATCH_ERRORS_ERROR_H_
 
-#include <array>
-#include <charconv>
 #include <cstddef>
-#include <string>
 #include <string_view>
 
 #include "halfspace/error.h"
@@ -23,15 +20,6 @@ namespace halfspace::dispatch {
 
 // Whether an error is passed to a handler.
 bool HasErrorHandler();
-
-// Enough digits to tell any two numbers apart.
-template <typename Scalar>
-std::string Shortest(Scalar value) {
-  std::array<char, 32> text;
-  const auto end =
-      std::to_chars(text.data(), text.data() + text.size(), value).ptr;
-  return std::string(text.data(), end);
-}
 
 }  // namespace halfspace::dispatch
 

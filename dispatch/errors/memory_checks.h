@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "dispatch/errors/error.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::dispatch {
 
@@ -20,7 +21,7 @@ inline bool IsAligned(const void* pointer, std::size_t alignment) {
 }
 
 // What throws is apart from the checks, as it is many times their code.
-[[noreturn, gnu::cold, gnu::noinline]] inline void ThrowPointer(
+[[noreturn, gnu::cold]] HALFSPACE_NOINLINE inline void ThrowPointer(
     std::string_view call, const void* pointer, std::size_t alignment,
     std::string_view name, std::string_view expected) {
   if (pointer == nullptr) {
@@ -43,7 +44,7 @@ inline void CheckPointer(std::string_view call, const void* pointer,
   }
 }
 
-[[noreturn, gnu::cold, gnu::noinline]] inline void ThrowMemory(
+[[noreturn, gnu::cold]] HALFSPACE_NOINLINE inline void ThrowMemory(
     std::string_view call, std::string_view argument, const void* memory,
     std::size_t size, std::size_t alignment) {
   ThrowPointer(call, memory, alignment, argument,
@@ -59,7 +60,7 @@ inline void CheckMemory(std::string_view call, std::string_view argument,
   }
 }
 
-[[noreturn, gnu::cold, gnu::noinline]] inline void ThrowExtent(
+[[noreturn, gnu::cold]] HALFSPACE_NOINLINE inline void ThrowExtent(
     std::string_view call, std::string_view argument, std::size_t count,
     std::size_t stride) {
   const std::string name(argument);

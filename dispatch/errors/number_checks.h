@@ -31,7 +31,7 @@ void CheckLength(std::string_view call, std::string_view argument,
   // All other numbers with a sign are above infinity.
   if (bits <= kInfinityBits<Scalar> || bits << 1 == 0) return;
   ThrowInvalid(call, argument, "a number that is not negative",
-               Shortest(length));
+               detail::NumberText(length));
 }
 
 // The same, and throws at infinity.
@@ -41,7 +41,7 @@ void CheckFiniteLength(std::string_view call, std::string_view argument,
   const auto bits = std::bit_cast<BitsOf<Scalar>>(length);
   if (bits < kInfinityBits<Scalar> || bits << 1 == 0) return;
   ThrowInvalid(call, argument, "a finite number that is not negative",
-               Shortest(length));
+               detail::NumberText(length));
 }
 
 // The objects of a BVH and their ids are fewer: others have no place in a list

@@ -14,14 +14,12 @@
 #include <cstddef>
 #include <cstdint>
 
-#if defined(_MSC_VER)
-#define HALFSPACE_NOINLINE __declspec(noinline)
-#else
-#define HALFSPACE_NOINLINE __attribute__((noinline))
-#endif
+#include "kernels/compiler.h"
 
 #if defined(__SSE2__) || defined(_M_X64)
 #include <xmmintrin.h>
+#elif defined(_M_ARM64) && !defined(__clang__)
+#include <intrin.h>
 #endif
 
 namespace halfspace::dispatch {
@@ -60,12 +58,17 @@ class DefaultFpMode {
   static constexpr Register kDefault = 0x1f80;
   static Register Read() { return _mm_getcsr(); }
   static void Write(Register value) { _mm_setcsr(value); }
-#elif defined(__aarch64__) && defined(__GNUC__)
+#elif defined(__aarch64__) || defined(_M_ARM64)
   using Register = std::uint64_t;
   // FPCR: flush to zero, rounding mode, traps (few machines have any), flush
   // inputs to zero.
   static constexpr Register kMode = 0x0100'0000 | 0x00c0'0000 | 0x9f00 | 1;
   static constexpr Register kDefault = 0;
+#if defined(_M_ARM64) && !defined(__clang__)
+  static constexpr int kFpcr = 0x5a20;  // op0 3, op1 3, CRn 4, CRm 4, op2 0
+  static Register Read() { return _ReadStatusReg(kFpcr); }
+  static void Write(Register value) { _WriteStatusReg(kFpcr, value); }
+#else
   static Register Read() {
     Register value;
     asm volatile("mrs %0, fpcr" : "=r"(value) : : "memory");
@@ -74,6 +77,7 @@ class DefaultFpMode {
   static void Write(Register value) {
     asm volatile("msr fpcr, %0" : : "r"(value) : "memory");
   }
+#endif
 #else
   using Register = unsigned;
   static constexpr Register kMode = 0;

@@ -20,6 +20,7 @@
 #include "dispatch/exact/outward.h"
 #include "halfspace/bounds.h"
 #include "halfspace/fit_status.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::dispatch {
 
@@ -117,7 +118,7 @@ template <typename Scalar>
                                                    Scalar max) {
   const std::string axis = "[" + std::to_string(k) + "]";
   ThrowInvalid(call, "box", "min" + axis + " not above max" + axis,
-               Shortest(min) + " and " + Shortest(max));
+               detail::NumberText(min) + " and " + detail::NumberText(max));
 }
 
 // Throws if the box is inverted. The builder handles NaN. Called in the default

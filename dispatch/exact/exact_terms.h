@@ -12,6 +12,7 @@
 
 #include "dispatch/exact/default_fp_mode.h"
 #include "dispatch/exact/outward.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::dispatch {
 

@@ -266,7 +266,7 @@ void Scale(const AnyBound& bound, float factor, FitStatus* status) {
       dispatch::ThrowInvalid(
           "Scale", "factor",
           has_both_sides ? "a number" : "a number that is not negative",
-          dispatch::Shortest(factor));
+          detail::NumberText(factor));
     }
     if (factor < 0.f && !IsEmpty(bound, bound.values)) {
       Mirror(bound);

@@ -55,9 +55,9 @@ std::size_t CheckEach(const detail::Scan& scan, const Options& options,
                       const Output& output);
 void CheckOutput(const detail::Scan& scan, const Output& output);
 
-// The way through all planes, by bound type and schedule. docs/design.md
+// The kernel for all planes, by bound type and schedule. docs/design.md
 // explains the defaults.
-inline constexpr detail::Way kWayOf[3][4] = {
+inline constexpr detail::ScanKernel kKernelOf[3][4] = {
     // kAuto, kFlat, kStaged, kStagedByAxis
     {detail::kMinima, detail::kMinima, detail::kMinima, detail::kMinima},
     {detail::kAdaptive, detail::kAll, detail::kByHalf, detail::kByAxis},
@@ -65,21 +65,22 @@ inline constexpr detail::Way kWayOf[3][4] = {
 };
 // A word of quantized bounds is only one or two vectors, so a stage by axis
 // could not skip anything.
-inline constexpr detail::Way kWayOfQuantized[3][4] = {
+inline constexpr detail::ScanKernel kQuantizedKernelOf[3][4] = {
     {detail::kMinima, detail::kMinima, detail::kMinima, detail::kMinima},
     {detail::kAll, detail::kAll, detail::kAll, detail::kAll},
     {detail::kBySimplex, detail::kAll, detail::kBySimplex, detail::kBySimplex},
 };
 
-// The way of one query over planes that are not in cache.
-inline constexpr detail::Way kStreamingWayOf[detail::kWays] = {
+// The kernel of one query over planes that are not in cache.
+inline constexpr detail::ScanKernel kStreamingKernelOf[detail::kScanKernels] = {
     detail::kMinimaStreaming, detail::kMinimaStreaming, detail::kAllStreaming,
     detail::kAllStreaming,    detail::kByAxis,          detail::kByHalf,
     detail::kBySimplex,       detail::kAdaptive,
 };
 
 // All objects of a scan for one query, unless its bounds are quantized.
-inline detail::Part WholeRange(const detail::Scan& scan, std::uint64_t* words) {
+inline detail::Chunk WholeRange(const detail::Scan& scan,
+                                std::uint64_t* words) {
   return {.first_query = 0,
           .query_count = 1,
           .queries = scan.queries,
@@ -89,9 +90,9 @@ inline detail::Part WholeRange(const detail::Scan& scan, std::uint64_t* words) {
           .stride = 0};
 }
 
-// Writes the words of a part. Returns the bit of the target.
-inline std::int64_t Run(const detail::Scan& scan, const detail::Part& part) {
-  return scan.kernels->run[scan.way](scan, part);
+// Writes the words of a chunk. Returns the bit of the target.
+inline std::int64_t Run(const detail::Scan& scan, const detail::Chunk& chunk) {
+  return scan.kernels->run[scan.kernel](scan, chunk);
 }
 
 // Whether an output is null or misaligned, or may overlap a plane or a query.
@@ -147,17 +148,17 @@ inline void Prepare(detail::Scan& scan, const Options& options,
 }
 
 // Chooses how a prepared scan that is not short goes through its planes.
-inline void ChooseWay(detail::Scan& scan, const Options& options) {
+inline void ChooseKernel(detail::Scan& scan, const Options& options) {
   const detail::ScanType& type = *scan.type;
-  scan.way =
+  scan.kernel =
       (type.encode == nullptr
-           ? kWayOf
-           : kWayOfQuantized)[type.kind]
-                             [static_cast<std::size_t>(options.schedule)];
+           ? kKernelOf
+           : kQuantizedKernelOf)[type.kind]
+                                [static_cast<std::size_t>(options.schedule)];
   scan.is_streaming =
       (scan.end - scan.begin) * type.record_bytes > kInCacheBytes &&
       scan.query_count == 1 && StreamingPays();
-  if (scan.is_streaming) scan.way = kStreamingWayOf[scan.way];
+  if (scan.is_streaming) scan.kernel = kStreamingKernelOf[scan.kernel];
 }
 
 // Writes the words of one query on the objects of the range, on all planes at

@@ -5,8 +5,9 @@
 #include <bit>
 #include <cstdint>
 
-#include "dispatch/scan/parts.h"
+#include "dispatch/scan/chunks.h"
 #include "dispatch/scan/prepare.h"
+#include "kernels/compiler.h"
 
 namespace halfspace::detail {
 namespace {
@@ -17,8 +18,8 @@ using dispatch::Tested;
 
 // A function of its own, because its buffers would make the stack frame of its
 // caller large.
-[[gnu::noinline]] void WriteQuantizedMask(const Scan& scan,
-                                          std::uint64_t* mask) {
+HALFSPACE_NOINLINE void WriteQuantizedMask(const Scan& scan,
+                                           std::uint64_t* mask) {
   dispatch::WriteRows<OneQuery>(scan, mask, 0, false);
 }
 
@@ -31,13 +32,13 @@ inline void WriteMask(Scan& scan, Span<std::uint64_t> mask,
                   sizeof(std::uint64_t)};
   });
   if (scan.type->encode != nullptr) {
-    dispatch::ChooseWay(scan, options);
+    dispatch::ChooseKernel(scan, options);
     WriteQuantizedMask(scan, mask.data());
   } else if (dispatch::IsFlat(scan, options)) {
     dispatch::WriteFlatMask(scan, mask.data());
   } else {
-    // Without parts, a small call costs little more than its kernel.
-    dispatch::ChooseWay(scan, options);
+    // Without chunks, a small call costs little more than its kernel.
+    dispatch::ChooseKernel(scan, options);
     dispatch::Run(scan, dispatch::WholeRange(scan, mask.data()));
   }
   if (flip != 0) dispatch::Flip(mask.data(), MaskWords(scan.end - scan.begin));
@@ -123,8 +124,9 @@ std::size_t AnySurvivor(Scan&& scan, const Options& options) {
         const std::uint64_t nonzero = tested.nonzero[0];
         if (nonzero == 0) return true;
         const auto w = static_cast<std::size_t>(std::countr_zero(nonzero));
-        first = tested.part.begin + 64 * w +
-                static_cast<std::size_t>(std::countr_zero(tested.part.rows[w]));
+        first =
+            tested.chunk.begin + 64 * w +
+            static_cast<std::size_t>(std::countr_zero(tested.chunk.rows[w]));
         return false;
       });
   return first;

@@ -6,7 +6,7 @@
 
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
-#include "dispatch/scan/parts.h"
+#include "dispatch/scan/chunks.h"
 #include "dispatch/scan/prepare.h"
 
 namespace halfspace::detail {
@@ -18,7 +18,7 @@ using dispatch::Tested;
 void WriteMasks(Scan& scan, Span<std::uint64_t> rows, const Options& options,
                 std::size_t row_words, const char* call, bool rejects) {
   dispatch::Prepare(scan, options, call);
-  dispatch::ChooseWay(scan, options);
+  dispatch::ChooseKernel(scan, options);
   const std::size_t words = MaskWords(scan.end - scan.begin);
   const std::size_t stride = row_words != 0 ? row_words : words;
   if (stride < words) {
@@ -124,16 +124,16 @@ void SurvivorCounts(Scan&& scan, Span<std::size_t> counts,
 void ForEachTile(Scan&& scan, TileFunction function, void* context,
                  const Options& options) {
   dispatch::Prepare(scan, options, "ForEachTile");
-  dispatch::ChooseWay(scan, options);
+  dispatch::ChooseKernel(scan, options);
   dispatch::Rows<ManyQueries> rows;
-  dispatch::VisitParts<ManyQueries>(scan, rows, [&](const Tested& tested) {
-    const Part& part = tested.part;
-    return function(context, {.first_query = part.first_query,
-                              .queries = part.query_count,
-                              .first_object = part.begin,
-                              .objects = part.end - part.begin,
-                              .rows = part.rows,
-                              .stride = part.stride});
+  dispatch::VisitChunks<ManyQueries>(scan, rows, [&](const Tested& tested) {
+    const Chunk& chunk = tested.chunk;
+    return function(context, {.first_query = chunk.first_query,
+                              .queries = chunk.query_count,
+                              .first_object = chunk.begin,
+                              .objects = chunk.end - chunk.begin,
+                              .rows = chunk.rows,
+                              .stride = chunk.stride});
   });
 }
 

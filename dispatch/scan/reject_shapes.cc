@@ -9,7 +9,8 @@
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/exact/default_fp_mode.h"
-#include "kernels/scan/fronts.h"
+#include "kernels/compiler.h"
+#include "kernels/scan/half_spaces.h"
 
 namespace halfspace::detail {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 // Runs a scan of half-spaces as a scan with queries. A function of its own,
 // because its list would make the stack frame of its caller large.
 template <typename Ask>
-HALFSPACE_NOINLINE auto WithQuery(FrontScan& fronts, const char* call,
+HALFSPACE_NOINLINE auto WithQuery(HalfSpaceScan& fronts, const char* call,
                                   const Ask& ask) {
   if (fronts.count > kMostHalfSpaces) {
     dispatch::ThrowInvalid(call, "half-spaces",
@@ -44,39 +45,39 @@ HALFSPACE_NOINLINE auto WithQuery(FrontScan& fronts, const char* call,
 
 }  // namespace
 
-void RejectMask(FrontScan&& fronts, Span<std::uint64_t> mask,
+void RejectMask(HalfSpaceScan&& fronts, Span<std::uint64_t> mask,
                 const Options& options) {
   WithQuery(fronts, "RejectMask",
             [&](const Scan& scan) { RejectMask(Scan(scan), mask, options); });
 }
 
-void SurvivorMask(FrontScan&& fronts, Span<std::uint64_t> mask,
+void SurvivorMask(HalfSpaceScan&& fronts, Span<std::uint64_t> mask,
                   const Options& options) {
   WithQuery(fronts, "SurvivorMask",
             [&](const Scan& scan) { SurvivorMask(Scan(scan), mask, options); });
 }
 
-std::size_t Survivors(FrontScan&& fronts, Span<std::uint32_t> indices,
+std::size_t Survivors(HalfSpaceScan&& fronts, Span<std::uint32_t> indices,
                       const Options& options, std::size_t skip) {
   return WithQuery(fronts, "Survivors", [&](const Scan& scan) {
     return Survivors(Scan(scan), indices, options, skip);
   });
 }
 
-std::size_t CountSurvivors(FrontScan&& fronts, const Options& options) {
+std::size_t CountSurvivors(HalfSpaceScan&& fronts, const Options& options) {
   return WithQuery(fronts, "CountSurvivors", [&](const Scan& scan) {
     return CountSurvivors(Scan(scan), options);
   });
 }
 
-std::size_t AnySurvivor(FrontScan&& fronts, const Options& options) {
+std::size_t AnySurvivor(HalfSpaceScan&& fronts, const Options& options) {
   return WithQuery(fronts, "AnySurvivor", [&](const Scan& scan) {
     return AnySurvivor(Scan(scan), options);
   });
 }
 
-void ForEachSurvivor(FrontScan&& fronts, SomeFunction function, void* context,
-                     const Options& options) {
+void ForEachSurvivor(HalfSpaceScan&& fronts, SomeFunction function,
+                     void* context, const Options& options) {
   WithQuery(fronts, "ForEachSurvivor", [&](const Scan& scan) {
     ForEachSurvivor(Scan(scan), function, context, options);
   });

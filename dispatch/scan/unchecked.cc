@@ -1,17 +1,17 @@
 #include "dispatch/scan/unchecked.h"
 
-#include "dispatch/scan/parts.h"
+#include "dispatch/scan/chunks.h"
 #include "halfspace/reject.h"
 
 namespace halfspace::dispatch {
 
 void WriteManyObjects(detail::Scan& scan, std::uint64_t* mask) {
-  ChooseWay(scan, Options());
+  ChooseKernel(scan, Options());
   Run(scan, WholeRange(scan, mask));
 }
 
 void WriteEachQuery(detail::Scan& scan, std::uint64_t* masks) {
-  ChooseWay(scan, Options());
+  ChooseKernel(scan, Options());
   // Floats and doubles are not encoded, so no room for it is needed.
   WriteRows<OneQuery>(scan, masks, MaskWords(scan.size), false);
 }

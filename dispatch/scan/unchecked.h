@@ -16,6 +16,7 @@
 #include "halfspace/detail/scan.h"
 #include "halfspace/kernels.h"
 #include "kernels/compiled_targets.h"
+#include "kernels/compiler.h"
 #include "kernels/scan/kernel_table.h"
 
 namespace halfspace::dispatch {
@@ -78,14 +79,14 @@ class Unchecked {
 
   // The long paths of One() and Several() on all targets. Functions of their
   // own, so that the short path of One() needs no stack.
-  [[gnu::noinline]] static void WriteOne(
+  HALFSPACE_NOINLINE static void WriteOne(
       const T* const* planes, std::size_t n, const T* query,
       std::uint64_t* mask, const detail::TargetKernels* kernels) noexcept {
     if (n == 0) return;
     detail::Scan scan = ScanOf(kernels, planes, n, query, 1);
     WriteManyObjects(scan, mask);
   }
-  [[gnu::noinline]] static void WriteSeveral(
+  HALFSPACE_NOINLINE static void WriteSeveral(
       const T* const* planes, std::size_t n, const T* queries,
       std::size_t count, std::uint64_t* masks,
       const detail::TargetKernels* kernels) noexcept {

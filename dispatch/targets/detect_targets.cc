@@ -2,6 +2,8 @@
 
 #if HWY_ARCH_X86 && __has_include(<cpuid.h>)
 #include <cpuid.h>
+#elif HWY_ARCH_X86
+#include <intrin.h>
 #elif HWY_ARCH_ARM_A64 && defined(__linux__)
 #include <sys/auxv.h>
 #include <sys/prctl.h>
@@ -10,7 +12,7 @@
 namespace halfspace::dispatch {
 namespace {
 
-#if HWY_ARCH_X86 && __has_include(<cpuid.h>)
+#if HWY_ARCH_X86
 
 struct Registers {
   std::uint32_t eax = 0;
@@ -18,6 +20,8 @@ struct Registers {
   std::uint32_t ecx = 0;
   std::uint32_t edx = 0;
 };
+
+#if __has_include(<cpuid.h>)
 
 // Not __get_cpuid_count, which reads the highest leaf each time: in a virtual
 // machine every CPUID takes microseconds.
@@ -27,9 +31,30 @@ Registers Cpuid(std::uint32_t leaf, std::uint32_t subleaf = 0) {
   return result;
 }
 
+std::uint32_t Xcr0() {
+  std::uint32_t lower_half;
+  std::uint32_t upper_half;
+  asm volatile("xgetbv" : "=a"(lower_half), "=d"(upper_half) : "c"(0));
+  return lower_half;
+}
+
+#else  // MSVC
+
+Registers Cpuid(std::uint32_t leaf, std::uint32_t subleaf = 0) {
+  int of[4];
+  __cpuidex(of, static_cast<int>(leaf), static_cast<int>(subleaf));
+  return {static_cast<std::uint32_t>(of[0]), static_cast<std::uint32_t>(of[1]),
+          static_cast<std::uint32_t>(of[2]), static_cast<std::uint32_t>(of[3])};
+}
+
+std::uint32_t Xcr0() { return static_cast<std::uint32_t>(_xgetbv(0)); }
+
+#endif
+
+// "AuthenticAMD"
 bool IsAmd(const Registers& leaf0) {
-  return leaf0.ebx == signature_AMD_ebx && leaf0.ecx == signature_AMD_ecx &&
-         leaf0.edx == signature_AMD_edx;
+  return leaf0.ebx == 0x68747541 && leaf0.edx == 0x69746e65 &&
+         leaf0.ecx == 0x444d4163;
 }
 
 X86Machine ReadMachine() {
@@ -48,10 +73,8 @@ X86Machine ReadMachine() {
   machine.leaf7_1_edx = leaf7_1.edx;
   if (leaf0.eax >= 0x24) machine.leaf24h_ebx = Cpuid(0x24).ebx;
   machine.extended1_ecx = Cpuid(0x80000001).ecx;
-  if (HasBits(machine.leaf1_ecx, {27})) {  // OSXSAVE: xgetbv is allowed
-    std::uint32_t upper_half;
-    asm volatile("xgetbv" : "=a"(machine.xcr0), "=d"(upper_half) : "c"(0));
-  }
+  // OSXSAVE: xgetbv is allowed
+  if (HasBits(machine.leaf1_ecx, {27})) machine.xcr0 = Xcr0();
   machine.is_amd = IsAmd(leaf0);
   return machine;
 }
@@ -84,7 +107,7 @@ std::int64_t DetectTargets() {
 }
 
 bool StreamingPays() {
-#if HWY_ARCH_X86 && __has_include(<cpuid.h>)
+#if HWY_ARCH_X86
   static const bool pays = StreamingPaysOn(ReadMachine());
   return pays;
 #else

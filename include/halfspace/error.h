@@ -24,6 +24,7 @@
 
 #include <cstddef>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 
 #include "halfspace/export.h"
@@ -101,6 +102,14 @@ using ErrorHandler = void (*)(const Error& error);
 // previous handler can still be running in another thread.
 HALFSPACE_API ErrorHandler SetErrorHandler(ErrorHandler handler) noexcept;
 
+namespace detail {
+
+// The text of a number in a message: short, other for each number, and with a
+// point in every locale.
+std::string NumberText(float value);
+std::string NumberText(double value);
+
+}  // namespace detail
 }  // namespace halfspace
 
 #endif  // HALFSPACE_ERROR_H_

@@ -55,7 +55,7 @@ struct Asked<
   static_assert(std::is_same_v<typename View::Bound::Scalar, float>,
                 "half-spaces are for worlds of floats");
 
-  static FrontScan Of(const View& view, Span<const HalfSpace<kDims>> list) {
+  static HalfSpaceScan Of(const View& view, Span<const HalfSpace<kDims>> list) {
     static_assert(sizeof(list[0]) == (kDims + 1) * sizeof(float),
                   "half-spaces are read as a list of their values");
     return {ScanOf(view, nullptr, 0),

@@ -12,7 +12,7 @@
 
 #include "hwy/highway.h"
 #include "kernels/bvh/block.h"
-#include "kernels/prefetch.h"
+#include "kernels/compiler.h"
 #include "kernels/scan/words-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -14,7 +14,7 @@
 #include "kernels/bvh/block.h"
 #include "kernels/bvh/blocks-inl.h"
 #include "kernels/bvh/curve-inl.h"
-#include "kernels/prefetch.h"
+#include "kernels/compiler.h"
 #include "kernels/scan/words-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -153,14 +153,14 @@ HWY_INLINE Left TileByAxis(const detail::Scan& scan, const T* values,
 // The same for whole words of one query. Not inlined: two kernels call it.
 template <size_t kFirst, typename T>
 HWY_NOINLINE Left RangeByAxis(const detail::Scan& scan,
-                              const detail::Part& part) {
-  const size_t words = (part.end - part.begin) / kWordObjects;
+                              const detail::Chunk& chunk) {
+  const size_t words = (chunk.end - chunk.begin) / kWordObjects;
   Left left{};
   for (size_t begin = 0; begin < words; begin += kTileWords) {
     const Left tile = TileByAxis<kFirst>(
-        scan, static_cast<const T*>(part.queries),
-        part.begin + begin * kWordObjects, HWY_MIN(kTileWords, words - begin),
-        part.rows + begin);
+        scan, static_cast<const T*>(chunk.queries),
+        chunk.begin + begin * kWordObjects, HWY_MIN(kTileWords, words - begin),
+        chunk.rows + begin);
     left.some += tile.some;
     left.all += tile.all;
   }

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "hwy/highway.h"
+#include "kernels/compiler.h"
 #include "kernels/scan/kernel_table.h"
 #include "kernels/scan/words-inl.h"
 
@@ -150,15 +151,15 @@ HWY_NOINLINE void FlatMask(const void* pointers, size_t first, size_t count,
 template <size_t kPlanes>
 inline constexpr size_t kQueriesAtOnce = kPlanes <= 6 ? 4 : 2;
 
-// Tests kQueries queries from number q of the part on, which share each load.
+// Tests kQueries queries from number q of the chunk on, which share each load.
 template <size_t kMins, size_t kPlanes, size_t kQueries, typename T>
 HWY_NOINLINE void FlatSeveral(const detail::Scan& scan,
-                              const detail::Part& part, size_t q) {
+                              const detail::Chunk& chunk, size_t q) {
   const WordTag<T> d;
   constexpr size_t kLanes = hn::MaxLanes(WordTag<T>());
   const size_t record = scan.type->plane_count;
-  const T* values = static_cast<const T*>(part.queries) + q * record;
-  uint64_t* row = part.rows + q * part.stride;
+  const T* values = static_cast<const T*>(chunk.queries) + q * record;
+  uint64_t* row = chunk.rows + q * chunk.stride;
   const T* planes[kPlanes];
   hn::Vec<WordTag<T>> compared[kPlanes][kQueries];
   for (size_t p = 0; p < kPlanes; ++p) {
@@ -168,17 +169,17 @@ HWY_NOINLINE void FlatSeveral(const detail::Scan& scan,
       compared[p][query] = hn::Set(d, its.template Of<kMins>(p));
     }
   }
-  const size_t end = part.end;
-  const size_t stride = part.stride;
-  size_t i = part.begin;
+  const size_t end = chunk.end;
+  const size_t stride = chunk.stride;
+  size_t i = chunk.begin;
   for (; i + kWordObjects <= end; i += kWordObjects, ++row) {
     uint64_t survivors[kQueries] = {};
     for (size_t l = 0; l < kWordObjects; l += kLanes) {
       hn::Mask<WordTag<T>> kept[kQueries];
-#pragma GCC unroll 16
+      HALFSPACE_UNROLL
       for (size_t p = 0; p < kPlanes; ++p) {
         const auto object = hn::LoadU(d, planes[p] + i + l);
-#pragma GCC unroll 16
+        HALFSPACE_UNROLL
         for (size_t query = 0; query < kQueries; ++query) {
           const auto value = compared[p][query];
           if (p == 0) {
@@ -208,24 +209,24 @@ HWY_NOINLINE void FlatSeveral(const detail::Scan& scan,
 
 #endif  // HALFSPACE_MASKED_COMPARES
 
-// Tests all queries of the part on the first kMins + kMaxs planes of the scan.
+// Tests all queries of the chunk on the first kMins + kMaxs planes of the scan.
 template <size_t kMins, size_t kMaxs, typename T>
-int64_t Flat(const detail::Scan& scan, const detail::Part& part) {
-  const T* values = static_cast<const T*>(part.queries);
+int64_t Flat(const detail::Scan& scan, const detail::Chunk& chunk) {
+  const T* values = static_cast<const T*>(chunk.queries);
   size_t q = 0;
 #if HALFSPACE_MASKED_COMPARES
   constexpr size_t kAtOnce = kQueriesAtOnce<kMins + kMaxs>;
-  for (; q + kAtOnce <= part.query_count; q += kAtOnce) {
-    FlatSeveral<kMins, kMins + kMaxs, kAtOnce, T>(scan, part, q);
+  for (; q + kAtOnce <= chunk.query_count; q += kAtOnce) {
+    FlatSeveral<kMins, kMins + kMaxs, kAtOnce, T>(scan, chunk, q);
   }
 #endif
-  for (; q < part.query_count; ++q) {
+  for (; q < chunk.query_count; ++q) {
     // Minima alone are compared with maxima, which the minima of the query
     // precede if it has any.
     const T* compared = values + q * scan.type->plane_count +
                         (kMaxs == 0 ? scan.type->first_max : 0);
-    FlatMask<kMins, kMaxs, T>(scan.planes, part.begin, part.end - part.begin,
-                              compared, part.rows + q * part.stride);
+    FlatMask<kMins, kMaxs, T>(scan.planes, chunk.begin, chunk.end - chunk.begin,
+                              compared, chunk.rows + q * chunk.stride);
   }
   return HWY_TARGET;
 }

@@ -14,12 +14,12 @@ namespace halfspace::detail {
 // with vectors as many by mask_of_all.
 inline constexpr std::size_t kFewObjects = 512;
 
-// The most queries of a part: a batch.
+// The most queries of a chunk: a batch.
 inline constexpr std::size_t kMostQueries = 16;
 
 // Some queries of a scan, some of its objects, and where the words of survivors
 // are written.
-struct Part {
+struct Chunk {
   std::size_t first_query;
   std::size_t query_count;
   const void* queries;  // the values of the first, of the type of the planes
@@ -35,7 +35,7 @@ struct Part {
 
 // Returns the Highway bit of the target that it was compiled for, so that tests
 // can tell which one runs.
-using Kernel = std::int64_t (*)(const Scan& scan, const Part& part);
+using Kernel = std::int64_t (*)(const Scan& scan, const Chunk& chunk);
 
 // Writes the words of survivors of `count` objects from `begin` on, on all
 // planes at once. `planes` are those of a view, `query` is one of its queries.
@@ -45,7 +45,7 @@ using MaskKernel = void (*)(const void* planes, std::size_t begin,
                             std::uint64_t* words) noexcept;
 
 struct TargetKernels {
-  Kernel run[kWays];
+  Kernel run[kScanKernels];
   MaskKernel mask_of_minima;  // of a simplex
   MaskKernel mask_of_all;     // of the other shapes
   // Up to so many objects mask_of_all is as fast as stages: boxes, octahedra.

@@ -12,7 +12,7 @@
 #include <cstdint>
 
 #include "hwy/highway.h"
-#include "kernels/prefetch.h"
+#include "kernels/compiler.h"
 #include "kernels/scan/by_axis-inl.h"
 #include "kernels/scan/flat-inl.h"
 #include "kernels/scan/kernel_table.h"
@@ -29,47 +29,50 @@ namespace hn = hwy::HWY_NAMESPACE;
 template <typename T>
 struct ElementKernels {
   static int64_t StreamMinima(const detail::Scan& scan,
-                              const detail::Part& part);
-  static int64_t StreamAll(const detail::Scan& scan, const detail::Part& part);
-  static int64_t ByAxis(const detail::Scan& scan, const detail::Part& part);
-  static int64_t ByHalf(const detail::Scan& scan, const detail::Part& part);
-  static int64_t Adaptive(const detail::Scan& scan, const detail::Part& part);
+                              const detail::Chunk& chunk);
+  static int64_t StreamAll(const detail::Scan& scan,
+                           const detail::Chunk& chunk);
+  static int64_t ByAxis(const detail::Scan& scan, const detail::Chunk& chunk);
+  static int64_t ByHalf(const detail::Scan& scan, const detail::Chunk& chunk);
+  static int64_t Adaptive(const detail::Scan& scan, const detail::Chunk& chunk);
 };
 
-// The objects of a part from word `first` to object `end`. The fields are
+// The objects of a chunk from word `first` to object `end`. The fields are
 // copied one by one, because a copy in vectors would wait for the stores of the
 // fields.
-HWY_INLINE detail::Part PartFrom(const detail::Part& part, size_t first,
-                                 size_t end) {
-  return {.first_query = part.first_query,
-          .query_count = part.query_count,
-          .queries = part.queries,
-          .begin = part.begin + first * kWordObjects,
+HWY_INLINE detail::Chunk ChunkFrom(const detail::Chunk& chunk, size_t first,
+                                   size_t end) {
+  return {.first_query = chunk.first_query,
+          .query_count = chunk.query_count,
+          .queries = chunk.queries,
+          .begin = chunk.begin + first * kWordObjects,
           .end = end,
-          .rows = part.rows + first,
-          .stride = part.stride};
+          .rows = chunk.rows + first,
+          .stride = chunk.stride};
 }
 
-// `words` words of query q of a part, from word `first` on.
-HWY_INLINE detail::Part PartOf(const detail::Scan& scan,
-                               const detail::Part& part, size_t q, size_t first,
-                               size_t words) {
-  return {.first_query = part.first_query + q,
+// `words` words of query q of a chunk, from word `first` on.
+HWY_INLINE detail::Chunk ChunkOf(const detail::Scan& scan,
+                                 const detail::Chunk& chunk, size_t q,
+                                 size_t first, size_t words) {
+  return {.first_query = chunk.first_query + q,
           .query_count = 1,
-          .queries = static_cast<const char*>(part.queries) +
+          .queries = static_cast<const char*>(chunk.queries) +
                      q * scan.type->query_record_bytes,
-          .begin = part.begin + first * kWordObjects,
-          .end = part.begin + (first + words) * kWordObjects,
-          .rows = part.rows + q * part.stride + first,
-          .stride = part.stride};
+          .begin = chunk.begin + first * kWordObjects,
+          .end = chunk.begin + (first + words) * kWordObjects,
+          .rows = chunk.rows + q * chunk.stride + first,
+          .stride = chunk.stride};
 }
 
-// Tests the objects after the last whole word of a part, on all planes at once.
-HWY_INLINE int64_t FinishPart(const detail::Scan& scan,
-                              const detail::Part& part, detail::Way way) {
-  const size_t words = (part.end - part.begin) / kWordObjects;
-  if (part.begin + words * kWordObjects == part.end) return HWY_TARGET;
-  return scan.kernels->run[way](scan, PartFrom(part, words, part.end));
+// Tests the objects after the last whole word of a chunk, on all planes at
+// once.
+HWY_INLINE int64_t FinishChunk(const detail::Scan& scan,
+                               const detail::Chunk& chunk,
+                               detail::ScanKernel kernel) {
+  const size_t words = (chunk.end - chunk.begin) / kWordObjects;
+  if (chunk.begin + words * kWordObjects == chunk.end) return HWY_TARGET;
+  return scan.kernels->run[kernel](scan, ChunkFrom(chunk, words, chunk.end));
 }
 
 // ---- Streaming: one query over planes out of the caches.
@@ -139,9 +142,9 @@ HWY_NOINLINE void TestPage(Load load, const PlaneGroup<T, kPlanes>& group,
 // them was slower at any distance.
 template <bool kWithMaxima, typename T, class Load>
 HWY_INLINE void StreamPages(Load load, const detail::Scan& scan,
-                            const detail::Part& part) {
+                            const detail::Chunk& chunk) {
   const size_t axes = scan.type->axes;
-  const T* min_values = static_cast<const T*>(part.queries);
+  const T* min_values = static_cast<const T*>(chunk.queries);
   const T* max_values = min_values + scan.type->first_max;
   const auto plane = [&](size_t p) { return scan.Plane<T>(p); };
   // The second plane of a pair that begins with plane k.
@@ -149,11 +152,11 @@ HWY_INLINE void StreamPages(Load load, const detail::Scan& scan,
     return plane(kWithMaxima ? axes + k : HWY_MIN(k + 1, axes - 1));
   };
   constexpr size_t kStep = kWithMaxima ? 1 : 2;
-  const size_t words = (part.end - part.begin) / kWordObjects;
+  const size_t words = (chunk.end - chunk.begin) / kWordObjects;
   for (size_t w = 0; w < words; w += kPageWords<T>) {
-    const size_t first = part.begin + w * kWordObjects;
+    const size_t first = chunk.begin + w * kWordObjects;
     const size_t count = HWY_MIN(kPageWords<T>, words - w);
-    uint64_t* row = part.rows + w;
+    uint64_t* row = chunk.rows + w;
     for (size_t k = 0; k < axes; k += kStep) {
       if (k + kStep < axes) {
         PrefetchWords(plane(k + kStep) + first, partner(k + kStep) + first);
@@ -180,57 +183,57 @@ HWY_INLINE void StreamPages(Load load, const detail::Scan& scan,
 
 template <typename T>
 int64_t ElementKernels<T>::StreamMinima(const detail::Scan& scan,
-                                        const detail::Part& part) {
+                                        const detail::Chunk& chunk) {
   // Only boxes have doubles.
   if constexpr (kPagesPay && !std::is_same_v<T, double>) {
-    WithLoad<T>(scan, part.begin, [&](auto load) HWY_ATTR {
-      StreamPages<false, T>(load, scan, part);
+    WithLoad<T>(scan, chunk.begin, [&](auto load) HWY_ATTR {
+      StreamPages<false, T>(load, scan, chunk);
     });
-    return FinishPart(scan, part, detail::kMinima);
+    return FinishChunk(scan, chunk, detail::kMinima);
   } else {
-    return scan.kernels->run[detail::kMinima](scan, part);
+    return scan.kernels->run[detail::kMinima](scan, chunk);
   }
 }
 
 template <typename T>
 int64_t ElementKernels<T>::StreamAll(const detail::Scan& scan,
-                                     const detail::Part& part) {
+                                     const detail::Chunk& chunk) {
   if constexpr (kPagesPay) {
-    WithLoad<T>(scan, part.begin, [&](auto load) HWY_ATTR {
-      StreamPages<true, T>(load, scan, part);
+    WithLoad<T>(scan, chunk.begin, [&](auto load) HWY_ATTR {
+      StreamPages<true, T>(load, scan, chunk);
     });
-    return FinishPart(scan, part, detail::kAll);
+    return FinishChunk(scan, chunk, detail::kAll);
   } else {
-    return scan.kernels->run[detail::kAll](scan, part);
+    return scan.kernels->run[detail::kAll](scan, chunk);
   }
 }
 
 // ---- By axis (by_axis-inl.h). Quantized bounds have no such stages.
 
 template <size_t kFirst, typename T>
-HWY_INLINE int64_t PartByAxis(const detail::Scan& scan,
-                              const detail::Part& part) {
+HWY_INLINE int64_t ChunkByAxis(const detail::Scan& scan,
+                               const detail::Chunk& chunk) {
   if constexpr (std::is_floating_point_v<T>) {
-    const size_t words = (part.end - part.begin) / kWordObjects;
-    for (size_t q = 0; q < part.query_count; ++q) {
-      RangeByAxis<kFirst, T>(scan, PartOf(scan, part, q, 0, words));
+    const size_t words = (chunk.end - chunk.begin) / kWordObjects;
+    for (size_t q = 0; q < chunk.query_count; ++q) {
+      RangeByAxis<kFirst, T>(scan, ChunkOf(scan, chunk, q, 0, words));
     }
-    return FinishPart(scan, part, detail::kAll);
+    return FinishChunk(scan, chunk, detail::kAll);
   } else {
-    return scan.kernels->run[detail::kAll](scan, part);
+    return scan.kernels->run[detail::kAll](scan, chunk);
   }
 }
 
 template <typename T>
 int64_t ElementKernels<T>::ByAxis(const detail::Scan& scan,
-                                  const detail::Part& part) {
-  return PartByAxis<1, T>(scan, part);
+                                  const detail::Chunk& chunk) {
+  return ChunkByAxis<1, T>(scan, chunk);
 }
 
 template <typename T>
 int64_t ElementKernels<T>::ByHalf(const detail::Scan& scan,
-                                  const detail::Part& part) {
-  return PartByAxis<2, T>(scan, part);
+                                  const detail::Chunk& chunk) {
+  return ChunkByAxis<2, T>(scan, chunk);
 }
 
 // ---- By simplex: an octahedron's minima, then its maxima for the nonzero
@@ -298,7 +301,7 @@ HWY_NOINLINE void TestMaxima(std::index_sequence<kPlane...>, Load load,
   }
 }
 
-// Which words of a tile are nonzero, for each query of a part.
+// Which words of a tile are nonzero, for each query of a chunk.
 struct WordTile {
   size_t word;
   size_t words;
@@ -306,48 +309,48 @@ struct WordTile {
 };
 
 template <size_t kAxes, typename T>
-HWY_INLINE void FinishTile(const detail::Scan& scan, const detail::Part& part,
+HWY_INLINE void FinishTile(const detail::Scan& scan, const detail::Chunk& chunk,
                            const WordTile& tile) {
-  for (size_t q = 0; q < part.query_count; ++q) {
+  for (size_t q = 0; q < chunk.query_count; ++q) {
     if (tile.nonzero[q] == 0) continue;
-    WithLoad<T>(scan, part.begin, [&](auto load) HWY_ATTR {
+    WithLoad<T>(scan, chunk.begin, [&](auto load) HWY_ATTR {
       TestMaxima<T>(
           std::make_index_sequence<kAxes>(), load, scan,
-          static_cast<const T*>(part.queries) + q * scan.type->plane_count,
-          part.begin + tile.word * kWordObjects, tile.nonzero[q], tile.words,
-          part.rows + q * part.stride + tile.word);
+          static_cast<const T*>(chunk.queries) + q * scan.type->plane_count,
+          chunk.begin + tile.word * kWordObjects, tile.nonzero[q], tile.words,
+          chunk.rows + q * chunk.stride + tile.word);
     });
   }
 }
 
 template <size_t kAxes, typename T>
-int64_t BySimplex(const detail::Scan& scan, const detail::Part& part) {
-  const size_t words = (part.end - part.begin) / kWordObjects;
+int64_t BySimplex(const detail::Scan& scan, const detail::Chunk& chunk) {
+  const size_t words = (chunk.end - chunk.begin) / kWordObjects;
   WordTile tiles[2];
   size_t turn = 0;
   for (size_t begin = 0; begin < words; begin += kTileWords) {
     const size_t count = HWY_MIN(kTileWords, words - begin);
-    const detail::Part tile_part =
-        PartFrom(part, begin, part.begin + (begin + count) * kWordObjects);
+    const detail::Chunk tile_chunk =
+        ChunkFrom(chunk, begin, chunk.begin + (begin + count) * kWordObjects);
     if (scan.is_streaming) {
-      scan.kernels->run[detail::kMinimaStreaming](scan, tile_part);
+      scan.kernels->run[detail::kMinimaStreaming](scan, tile_chunk);
     } else {
-      Flat<kAxes, 0, T>(scan, tile_part);
+      Flat<kAxes, 0, T>(scan, tile_chunk);
     }
     WordTile& tile = tiles[turn];
     tile.word = begin;
     tile.words = count;
-    for (size_t q = 0; q < part.query_count; ++q) {
-      tile.nonzero[q] = NonzeroWords(tile_part.rows + q * part.stride, count);
+    for (size_t q = 0; q < chunk.query_count; ++q) {
+      tile.nonzero[q] = NonzeroWords(tile_chunk.rows + q * chunk.stride, count);
       if (scan.is_streaming) {
-        PrefetchMaxima<kAxes, T>(scan, tile_part.begin, tile.nonzero[q]);
+        PrefetchMaxima<kAxes, T>(scan, tile_chunk.begin, tile.nonzero[q]);
       }
     }
     turn ^= 1;
-    if (begin != 0) FinishTile<kAxes, T>(scan, part, tiles[turn]);
+    if (begin != 0) FinishTile<kAxes, T>(scan, chunk, tiles[turn]);
   }
-  if (words != 0) FinishTile<kAxes, T>(scan, part, tiles[turn ^ 1]);
-  return FinishPart(scan, part, detail::kAll);
+  if (words != 0) FinishTile<kAxes, T>(scan, chunk, tiles[turn ^ 1]);
+  return FinishChunk(scan, chunk, detail::kAll);
 }
 
 // ---- kAuto: the survivors of one stretch of the world decide how the next
@@ -375,7 +378,7 @@ class Ladder {
 
   Step step() const { return step_; }
 
-  // The number of words of the next stretch, if `left` words of the part are
+  // The number of words of the next stretch, if `left` words of the chunk are
   // left. No stretch is much shorter than the stretch before it. Fewer than
   // ShortWords() words are one stretch, because each stretch costs about 25 ns.
   size_t Words(size_t left) const {
@@ -429,71 +432,73 @@ class Ladder {
   size_t patience_ = 0;
 };
 
-// The words of the last tile of a part that are not zero.
-HWY_INLINE Left NonzeroOfLastTile(const detail::Part& part) {
-  const size_t words = (part.end - part.begin) / kWordObjects;
+// The words of the last tile of a chunk that are not zero.
+HWY_INLINE Left NonzeroOfLastTile(const detail::Chunk& chunk) {
+  const size_t words = (chunk.end - chunk.begin) / kWordObjects;
   const size_t count = HWY_MIN(words, kTileWords);
-  const uint64_t nonzero = NonzeroWords(part.rows + (words - count), count);
+  const uint64_t nonzero = NonzeroWords(chunk.rows + (words - count), count);
   return {hwy::PopCount(nonzero), count};
 }
 
 // Tests whole words of one query, and returns what Ladder::Learn() needs.
 template <typename T>
-HWY_INLINE Left TestStretch(const detail::Scan& scan, const detail::Part& part,
-                            Step step) {
-  if (step == Step::kOneAxis) return RangeByAxis<1, T>(scan, part);
-  detail::Way way = scan.is_streaming ? detail::kAllStreaming : detail::kAll;
+HWY_INLINE Left TestStretch(const detail::Scan& scan,
+                            const detail::Chunk& chunk, Step step) {
+  if (step == Step::kOneAxis) return RangeByAxis<1, T>(scan, chunk);
+  detail::ScanKernel kernel =
+      scan.is_streaming ? detail::kAllStreaming : detail::kAll;
   if (step == Step::kHalf) {
     if (scan.type->kind == detail::PlaneLayout::kAabb) {
       // Half of the axes, rounded up.
-      return scan.type->axes > 2 ? RangeByAxis<2, T>(scan, part)
-                                 : RangeByAxis<1, T>(scan, part);
+      return scan.type->axes > 2 ? RangeByAxis<2, T>(scan, chunk)
+                                 : RangeByAxis<1, T>(scan, chunk);
     }
-    way = detail::kBySimplex;
+    kernel = detail::kBySimplex;
   }
-  scan.kernels->run[way](scan, part);
-  return NonzeroOfLastTile(part);
+  scan.kernels->run[kernel](scan, chunk);
+  return NonzeroOfLastTile(chunk);
 }
 
 template <typename T>
 int64_t ElementKernels<T>::Adaptive(const detail::Scan& scan,
-                                    const detail::Part& part) {
+                                    const detail::Chunk& chunk) {
   if constexpr (!std::is_floating_point_v<T>) {
-    return scan.kernels->run[detail::kAll](scan, part);
+    return scan.kernels->run[detail::kAll](scan, chunk);
   } else if constexpr (!kHasVectors) {
-    return ByAxis(scan, part);
+    return ByAxis(scan, chunk);
   } else {
     // The kernels of several queries do a part of the work once for all of
     // them. This pays for octahedra, and with AVX-512 also for boxes.
     const bool is_box = scan.type->kind == detail::PlaneLayout::kAabb;
-    if (part.query_count > 1 && (HALFSPACE_MASKED_COMPARES || !is_box)) {
-      const detail::Way way = is_box ? detail::kAll : detail::kBySimplex;
-      return scan.kernels->run[way](scan, part);
+    if (chunk.query_count > 1 && (HALFSPACE_MASKED_COMPARES || !is_box)) {
+      const detail::ScanKernel kernel =
+          is_box ? detail::kAll : detail::kBySimplex;
+      return scan.kernels->run[kernel](scan, chunk);
     }
-    const size_t words = (part.end - part.begin) / kWordObjects;
+    const size_t words = (chunk.end - chunk.begin) / kWordObjects;
     // If there are few octahedra, and few of them are near the query,
     // kBySimplex takes 0.6 to 0.9 of the time of a flat scan. Its worst case is
     // better than that of kByAxis: 1.3 times the time of a flat scan (objects
     // of 0.1 %) instead of 1.6 (objects of 10 %).
     if (!is_box && words < Ladder::ShortWords(is_box)) {
-      return scan.kernels->run[detail::kBySimplex](scan, part);
+      return scan.kernels->run[detail::kBySimplex](scan, chunk);
     }
-    if (words < (part.query_count > 1 ? kFewWords / 2 : kFewWords)) {
-      return scan.kernels->run[detail::kAll](scan, part);
+    if (words < (chunk.query_count > 1 ? kFewWords / 2 : kFewWords)) {
+      return scan.kernels->run[detail::kAll](scan, chunk);
     }
     // Several queries are tested on a tile in the first-level cache.
     const size_t objects =
         scan.query_count == 1 ? scan.end - scan.begin : words * kWordObjects;
     Ladder ladder(is_box, objects * scan.type->record_bytes);
-    for (size_t q = 0; q < part.query_count; ++q) {
+    for (size_t q = 0; q < chunk.query_count; ++q) {
       for (size_t begin = 0; begin < words;) {
         const size_t count = ladder.Words(words - begin);
-        ladder.Learn(TestStretch<T>(scan, PartOf(scan, part, q, begin, count),
+        ladder.Learn(TestStretch<T>(scan, ChunkOf(scan, chunk, q, begin, count),
                                     ladder.step()));
         begin += count;
       }
     }
-    return FinishPart(scan, part, detail::kAll);
+    return FinishChunk(scan, chunk, detail::kAll);
   }
 }
 

@@ -7,7 +7,7 @@ cmake_policy(VERSION 3.25)
 if(PKG_CONFIG)
   set(ENV{PKG_CONFIG_LIBDIR} .)
   foreach(variable_and_value "prefix /usr/local" "libdir ${FOLDER}/lib"
-                             "includedir ${FOLDER}/include")
+                             "includedir /opt/halfspace/include")
     separate_arguments(words UNIX_COMMAND "${variable_and_value}")
     list(POP_FRONT words variable)
     execute_process(

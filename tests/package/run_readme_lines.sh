@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # run_readme_lines.sh LANGUAGE SOURCES FOLDER EXPECTED [CMAKE OPTION...]: runs the lines
 # of readme_lines.sh in FOLDER, except the line of apt. The last one must print EXPECTED.
+# For Python, the sources are those of a source distribution (MANIFEST.in).
 # If EXPECTED is empty, runs only the lines of cmake. `cmake --install` writes to
 # FOLDER/root. With CMAKE OPTIONs, the build is configured with them before.
 set -euo pipefail
@@ -13,8 +14,16 @@ shift 4
 mkdir -p "$folder"
 cd "$folder"
 lines=$(bash "$sources/tests/package/readme_lines.sh" "$language" "$sources" | tail -n +2)
-rm -rf root venv a.out
-ln -sfn "$sources" halfspace
+rm -rf root venv a.out halfspace sdist
+if [ "$language" = python ]; then
+  (cd "$sources" && python3 -c \
+    'import sys; from setuptools import build_meta; build_meta.build_sdist(sys.argv[1])' \
+    "$folder/sdist") >sdist.log
+  mkdir halfspace
+  tar -xzf sdist/*.tar.gz -C halfspace --strip-components=1
+else
+  ln -s "$sources" halfspace
+fi
 if [ $# -gt 0 ]; then cmake -S halfspace -B build "$@"; fi
 export DESTDIR="$folder/root"
 local=$DESTDIR/usr/local

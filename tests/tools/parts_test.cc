@@ -3,13 +3,11 @@
 
 #include <chrono>
 #include <cstddef>
-#include <limits>
 #include <stdexcept>
 #include <thread>
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/measure/curves.h"
 #include "bench/measure/load_probe.h"
 #include "bench/measure/machine.h"
 #include "bench/measure/team.h"
@@ -79,23 +77,6 @@ TEST(WorkingSetTest, MemoryIsMemoryOnAnyMachine) {
     EXPECT_EQ(memory.name, "memory");
     EXPECT_EQ(memory.bytes, row.bytes);
     EXPECT_GE(memory.objects * 4 * sizeof(float), row.bytes);
-  }
-}
-
-TEST(PaysFromTest, CountsTheQueriesThatRepayAStructure) {
-  struct Row {
-    StructureCost one;
-    StructureCost other;
-    double expected;
-  };
-  constexpr double kNever = std::numeric_limits<double>::infinity();
-  for (const Row& row : std::vector<Row>{{{100.0, 1.0}, {0.0, 3.0}, 50.0},
-                                         {{100.0, 1.0}, {40.0, 3.0}, 30.0},
-                                         {{1.0, 1.0}, {0.0, 3.0}, 1.0},
-                                         {{30.0, 1.0}, {40.0, 3.0}, 1.0},
-                                         {{100.0, 3.0}, {0.0, 3.0}, kNever},
-                                         {{100.0, 4.0}, {0.0, 3.0}, kNever}}) {
-    EXPECT_EQ(PaysFrom(row.one, row.other), row.expected);
   }
 }
 

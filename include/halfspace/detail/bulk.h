@@ -46,10 +46,9 @@ HALFSPACE_DECLARE_KERNELS(kFitTriangles);
 HALFSPACE_DECLARE_KERNELS(kFitPointSets);
 #undef HALFSPACE_DECLARE_KERNELS
 
-// The builders of doubles by source and by dimensions, from 2 on: one, for
-// every target. Solids are boxes and spheres; the others need only points.
-HALFSPACE_API extern const FitKernels* const kFitSolidsOfDoubles[2][3];
-HALFSPACE_API extern const FitKernels* const kFitPointsOfDoubles[2][3];
+// The builders of doubles by source and by dimensions, from 2 on. There is one
+// for all targets.
+HALFSPACE_API extern const FitKernels* const kFitOfDoubles[4][3];
 
 // Boxes have all minima, then all maxima; spheres the center, then the radius;
 // points their coordinates.
@@ -86,10 +85,8 @@ Source SourceOf(const Columns& columns, std::size_t column_count,
   const FitKernels* kernels = nullptr;
   if constexpr (std::is_same_v<Scalar, float>) {
     kernels = FitKernelsOf<kSource, kDims>::kTargets;
-  } else if constexpr (kSource == kFitBoxes || kSource == kFitSpheres) {
-    kernels = kFitSolidsOfDoubles[kSource][kDims - 2];
   } else {
-    kernels = kFitPointsOfDoubles[kSource - kFitTriangles][kDims - 2];
+    kernels = kFitOfDoubles[kSource][kDims - 2];
   }
   return {kernels, kDims, column_count, columns, has_one_pointer};
 }

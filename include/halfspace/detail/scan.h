@@ -27,8 +27,8 @@ namespace detail {
 class Quantizer;
 struct TargetKernels;
 
-// The way of a scan through its planes: one enumerator for each kernel.
-enum Way : std::uint8_t {
+// How a scan goes through its planes. Each has its own kernel.
+enum ScanKernel : std::uint8_t {
   kMinima,           // the minima of every object, all at once
   kMinimaStreaming,  // the same for one query out of the caches
   kAll,              // minima and maxima of every object
@@ -36,8 +36,8 @@ enum Way : std::uint8_t {
   kByAxis,     // axis after axis, for groups of objects that have a survivor
   kByHalf,     // the same, after half of the axes at once
   kBySimplex,  // the minima, then the maxima of the nonzero words
-  kAdaptive,   // chooses among the ways with maxima by what it finds
-  kWays
+  kAdaptive,   // chooses among those with maxima while it runs
+  kScanKernels
 };
 
 // The kernels of bounds with kAxes axes whose planes are stored as T: one entry
@@ -72,7 +72,7 @@ struct ScanType : PlaneLayout {
   void (*encode)(const Scan& scan, std::size_t first, std::size_t count,
                  void* quantized);
   bool is_refined;                  // by floats
-  Way flat;                         // through all planes at once
+  ScanKernel flat;                  // through all planes at once
   std::uint8_t element_bytes;       // of a value of a plane
   std::uint8_t record_bytes;        // of an object's values in the planes
   std::uint8_t query_bytes;         // of a value of a query
@@ -100,7 +100,7 @@ struct Scan {
   const Quantizer* quantizer;  // of quantized bounds
 
   // Set by the library.
-  Way way;
+  ScanKernel kernel;
   bool is_streaming;
   const TargetKernels* kernels;  // of the target that runs
   const char* call;              // its name, for messages
@@ -243,25 +243,27 @@ HALFSPACE_API void ForEachSurvivor(Scan&& scan, SomeFunction function,
 // Half-spaces (reject_shapes.h), declared here for the calls of reject.h.
 //
 // A scan without queries, and `count` half-spaces, each a normal and an offset.
-struct FrontScan {
+struct HalfSpaceScan {
   Scan scan;
   const float* values;
   std::size_t count;
 };
 
-HALFSPACE_API void RejectMask(FrontScan&& fronts, Span<std::uint64_t> mask,
+HALFSPACE_API void RejectMask(HalfSpaceScan&& fronts, Span<std::uint64_t> mask,
                               const Options& options);
-HALFSPACE_API void SurvivorMask(FrontScan&& fronts, Span<std::uint64_t> mask,
+HALFSPACE_API void SurvivorMask(HalfSpaceScan&& fronts,
+                                Span<std::uint64_t> mask,
                                 const Options& options);
-HALFSPACE_API std::size_t Survivors(FrontScan&& fronts,
+HALFSPACE_API std::size_t Survivors(HalfSpaceScan&& fronts,
                                     Span<std::uint32_t> indices,
                                     const Options& options, std::size_t skip);
-HALFSPACE_API std::size_t CountSurvivors(FrontScan&& fronts,
+HALFSPACE_API std::size_t CountSurvivors(HalfSpaceScan&& fronts,
                                          const Options& options);
-HALFSPACE_API std::size_t AnySurvivor(FrontScan&& fronts,
+HALFSPACE_API std::size_t AnySurvivor(HalfSpaceScan&& fronts,
                                       const Options& options);
-HALFSPACE_API void ForEachSurvivor(FrontScan&& fronts, SomeFunction function,
-                                   void* context, const Options& options);
+HALFSPACE_API void ForEachSurvivor(HalfSpaceScan&& fronts,
+                                   SomeFunction function, void* context,
+                                   const Options& options);
 
 // Many queries.
 HALFSPACE_API void RejectMasks(Scan&& scan, Span<std::uint64_t> rows,

@@ -15,7 +15,8 @@
 #include <vector>
 
 #include "halfspace/halfspace.h"
-#include "tests/library/broad_phase/history.h"
+#include "tests/library/bvh/spread.h"
+#include "tests/library/support/cases.h"
 #include "tests/library/support/fnv_hash.h"
 
 namespace halfspace::testing {
@@ -32,6 +33,9 @@ const std::map<std::string, Hashes> kExpected = {
     {"Aabo3", {0x8f4b26034c37e579, 0x9555842cdb8c7854}},
 };
 
+using BroadPhaseCases =
+    Tested<::testing::Types<Whole<AabbView2>, Whole<AabbView3>,
+                            Whole<AaboView2>, Whole<AaboView3>>>;
 template <typename Case>
 class BroadPhaseHashTest : public ::testing::Test {};
 TYPED_TEST_SUITE(BroadPhaseHashTest, BroadPhaseCases, CaseNames);

@@ -7,22 +7,22 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "halfspace/halfspace.h"
-#include "tests/library/broad_phase/bodies.h"
 #include "tests/library/support/environment.h"
 
 namespace halfspace::testing {
 namespace {
 
-template <typename Case>
-class BroadPhaseHistoryTest : public ::testing::Test {};
-TYPED_TEST_SUITE(BroadPhaseHistoryTest, BroadPhaseCases, CaseNames);
+class BroadPhaseHistoryTest : public ::testing::TestWithParam<Layout> {};
+INSTANTIATE_TEST_SUITE_P(Of, BroadPhaseHistoryTest,
+                         ::testing::ValuesIn(LayoutsOf(true)), LayoutName());
 
-TYPED_TEST(BroadPhaseHistoryTest, AnyHistoryIsThatOfTheModel) {
-  using View = typename TypeParam::View;
+TEST_P(BroadPhaseHistoryTest, AnyHistoryIsThatOfTheModel) {
   const std::size_t rounds = std::max<std::size_t>(4, Scaled(12));
   for (std::size_t round = 0; round < rounds; ++round) {
-    BodyMaker<View> maker(round);
+    constexpr FpMode kModes[] = {FpMode::kDefault, FpMode::kDefault,
+                                 FpMode::kTraps, FpMode::kFlushes};
+    const FpMode mode = kModes[round / 2 % 4];
+    RandomChoices choices(GetParam(), round, mode == FpMode::kTraps);
     // One with three levels of nodes: 63 % of so many bodies are more than
     // 64^2. It takes nine tenths of the time, so it is short at a small scale.
     const bool is_large = round == 1;
@@ -34,17 +34,14 @@ TYPED_TEST(BroadPhaseHistoryTest, AnyHistoryIsThatOfTheModel) {
     options.moves_wait_for_update = round % 2 != 0;
     options.caller_locks = round % 4 > 1;
     if (round % 3 == 0) options.filter.keep = &KeepsSome;
-    constexpr FpMode kModes[] = {FpMode::kDefault, FpMode::kDefault,
-                                 FpMode::kTraps, FpMode::kFlushes};
-    BodyHistory<View, BodyMaker<View>> history(maker, most_bodies,
-                                               kStrides[round % 5], options,
-                                               kModes[round / 2 % 4]);
+    BodyHistory history(GetParam(), choices, most_bodies, kStrides[round % 5],
+                        options, mode);
     if (is_large) history.Insert(most_bodies);
     const std::size_t steps = is_large ? 3 + Scaled(9) : 10 + Scaled(20);
     for (std::size_t step = 0; step < steps; ++step) {
       const std::size_t what = history.Change();
-      history.ExpectIsModel(maker.random()());
-      if (this->HasFailure()) {
+      history.ExpectIsModel(choices.random()());
+      if (HasFailure()) {
         FAIL() << "round " << round << ", step " << step << ", " << what;
       }
     }

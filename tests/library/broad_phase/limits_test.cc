@@ -15,7 +15,8 @@
 #include <vector>
 
 #include "halfspace/halfspace.h"
-#include "tests/library/broad_phase/history.h"
+#include "tests/library/broad_phase/any_bodies.h"
+#include "tests/library/bvh/history.h"
 #include "tests/library/support/counting_memory.h"
 #include "tests/library/support/expect_invalid.h"
 
@@ -35,12 +36,8 @@ Ids IdsUpTo(std::uint32_t count) {
 template <typename Query>
 Ids FoundIn(const Bodies& bodies, const Query& query,
             std::uint32_t mask = 0xFFFFFFFF) {
-  QueryOptions options;
-  options.mask = mask;
-  Ids ids;
-  for (const auto& answer : FoundBy(bodies, OwnNames(), query, options)) {
-    ids.push_back(answer[0]);
-  }
+  Ids ids(bodies.size());
+  ids.resize(Survivors(bodies, query, ids, {.mask = mask}));
   return InOrder(ids);
 }
 
@@ -62,16 +59,16 @@ TEST(BroadPhaseTest, FindsWhatItWasTold) {
   EXPECT_EQ(FoundIn(bodies, kUnit, 2), (Ids{3, 5'000'000}));
   EXPECT_EQ(FoundIn(bodies, kUnit, 4), Ids{3});
   bodies.UpdatePairs();
-  EXPECT_EQ(PairsFrom(bodies.began()), (IdPairs{{3, 5'000'000}}));
+  EXPECT_EQ(PairsFrom(bodies.began()), (PairList{{3, 5'000'000}}));
   bodies.UpdatePairs();
   EXPECT_TRUE(bodies.began().empty() && bodies.ended().empty());
   bodies.Move(5'000'000, kFar);
   bodies.UpdatePairs();
-  EXPECT_EQ(PairsFrom(bodies.ended()), (IdPairs{{3, 5'000'000}}));
-  EXPECT_EQ(PairsFrom(bodies.began()), (IdPairs{{7, 5'000'000}}));
+  EXPECT_EQ(PairsFrom(bodies.ended()), (PairList{{3, 5'000'000}}));
+  EXPECT_EQ(PairsFrom(bodies.began()), (PairList{{7, 5'000'000}}));
   bodies.Erase(7);
   bodies.UpdatePairs();
-  EXPECT_EQ(PairsFrom(bodies.ended()), (IdPairs{{7, 5'000'000}}));
+  EXPECT_EQ(PairsFrom(bodies.ended()), (PairList{{7, 5'000'000}}));
   bodies.SetMasks(3, {.category = 2, .collides_with = 0});
   bodies.Move(3, kFar);
   bodies.UpdatePairs();
@@ -96,17 +93,17 @@ TEST(BroadPhaseTest, AFilterReplacesTheMasks) {
   bodies.Insert(2, kUnit, none);
   bodies.Insert(3, kUnit, none);
   bodies.UpdatePairs();
-  EXPECT_EQ(PairsFrom(bodies.pairs()), (IdPairs{{2, 3}}));
+  EXPECT_EQ(PairsFrom(bodies.pairs()), (PairList{{2, 3}}));
   groups = {};
   bodies.SetMasks(1, BodyMasks());
   bodies.SetMasks(2, none);
   bodies.UpdatePairs();
-  EXPECT_EQ(PairsFrom(bodies.pairs()), (IdPairs{{0, 1}}));
+  EXPECT_EQ(PairsFrom(bodies.pairs()), (PairList{{0, 1}}));
 }
 
 TEST(BroadPhaseTest, CanBeEmpty) {
   Bodies bodies;
-  BodyModel<AabbView3> model;
+  BodyModel model;
   const auto expect = [&] {
     bodies.Move(Ids{}, std::vector<Aabb3>{});
     bodies.Erase(Ids{});
@@ -252,10 +249,10 @@ TEST(BroadPhaseErrorsTest, CallsThatRunAloneThrowInsideAQuery) {
     BroadPhaseOptions options;
     options.caller_locks = caller_locks;
     Bodies bodies(options);
-    BodyModel<AabbView3> model;
+    BodyModel model;
     for (std::uint32_t id = 0; id < 100; ++id) {
       bodies.Insert(id, kUnit);
-      model.Insert(id, kUnit);
+      model.Insert(id, PlanesOf(kUnit));
     }
     bodies.UpdatePairs();
     const std::vector<std::byte> bytes = BytesOf(bodies);
@@ -285,7 +282,7 @@ TEST(BroadPhaseErrorsTest, CallsThatRunAloneThrowInsideAQuery) {
     Inside(bodies, [&] {
       expect();
       bodies.Move(3, kFar);
-      model.Move(3, kFar);
+      model.Move(3, PlanesOf(kFar));
       expect();
       Inside(other, expect);
       other.Update();  // is not the one that is asked
@@ -304,10 +301,10 @@ TEST(BroadPhaseErrorsTest, FunctionsMayThrow) {
   struct Thrown {};
   constexpr std::uint32_t kCount = 600;
   Bodies bodies;
-  BodyModel<AabbView3> model;
+  BodyModel model;
   const Ids ids = IdsUpTo(kCount);
   bodies.Insert(ids, std::vector<Aabb3>(kCount, kUnit));
-  for (const std::uint32_t id : ids) model.Insert(id, kUnit);
+  for (const std::uint32_t id : ids) model.Insert(id, PlanesOf(kUnit));
   const auto run = [](std::size_t parts, const Runner::Part& part) {
     part(parts - 1);
     throw Thrown();
@@ -322,7 +319,7 @@ TEST(BroadPhaseErrorsTest, FunctionsMayThrow) {
   Inside(bodies, [&] {
     for (std::uint32_t id = 0; id < 200; ++id) {
       bodies.Move(id, kFar);
-      model.Move(id, kFar);
+      model.Move(id, PlanesOf(kFar));
     }
     expect();
   });
@@ -527,7 +524,7 @@ TEST(BroadPhaseErrorsTest, SayWhatWasWrong) {
       {[&] { (void)KNearest(bodies, Point<3>{}, {}, {}, -1); },
        {"KNearest", "max_distance", "-1"}},
       {[&] { bodies.Load({}); }, {"BroadPhase::Load", "bytes", "0 bytes"}},
-      {[&] { bodies.Load(BytesOf(AaboBroadPhase3())); },
+      {[&] { bodies.Load(MakeBodies(Layout(3, 4, true))->Save()); },
        {"BroadPhase::Load", "bytes", "of this type"}},
   };
   const auto expect = [&] {
@@ -550,8 +547,8 @@ TEST(BroadPhaseErrorsTest, SayWhatWasWrong) {
   bodies.Move(9, {{8, 8, 8}, {9, 9, 9}});
   bodies.Erase(9);
 
-  BodyModel<AabbView3> model;
-  model.Insert(1, kUnit);
+  BodyModel model;
+  model.Insert(1, PlanesOf(kUnit));
   ExpectIsModel(bodies, model, 1);
   bodies.Insert(2, kUnit);  // no mark of a call that failed is left
   EXPECT_TRUE(bodies.Has(2));
@@ -570,17 +567,17 @@ TEST(BroadPhaseSaveTest, ChangesOfErasedBodiesAreCopied) {
   loaded.Load(BytesOf(bodies));
   for (Bodies* const some : {&bodies, &copy, &loaded}) {
     some->UpdatePairs();
-    EXPECT_EQ(PairsFrom(some->ended()), (IdPairs{{1, 900'000}}));
+    EXPECT_EQ(PairsFrom(some->ended()), (PairList{{1, 900'000}}));
     EXPECT_TRUE(some->pairs().empty());
   }
 }
 
 // Bytes that were cut are refused, and others may be, but do no harm.
 TEST(BroadPhaseSaveTest, AlteredBytesDoNoHarm) {
-  BodyMaker<AabbView3> maker(1);
+  RandomChoices maker(Layout(3, 3, true), 1);
   Bodies bodies;
   for (std::uint32_t id = 0; id < 150; ++id) {
-    bodies.Insert(3 * id, maker.Next(), maker.Masks());
+    bodies.Insert(3 * id, BoxOf(maker.Next()), maker.Masks());
   }
   bodies.UpdatePairs();
   bodies.Erase(Ids{3, 9, 27});
@@ -630,13 +627,13 @@ TEST(BroadPhaseMemoryTest, NothingChangesWithoutMemory) {
   CountingMemory memory;
   BroadPhaseOptions options;
   options.memory = memory.resource();
-  BodyMaker<AabbView3> maker(1);
-  BodyModel<AabbView3> model;
-  IdPairs pairs;
+  RandomChoices maker(Layout(3, 3, true), 1);
+  BodyModel model;
+  PairList pairs;
   Bodies bodies(options);
   const auto expect = [&](std::uint64_t seed) {
     ExpectIsModel(bodies, model, seed);
-    IdPairs now = PairsFrom(bodies.pairs());
+    PairList now = PairsFrom(bodies.pairs());
     std::sort(now.begin(), now.end());
     ASSERT_EQ(now, pairs);
   };
@@ -661,12 +658,13 @@ TEST(BroadPhaseMemoryTest, NothingChangesWithoutMemory) {
     std::vector<BodyMasks> masks;
     for (std::uint32_t id = first; id < first + count; ++id) {
       ids.push_back(id);
-      boxes.push_back(maker.Next());
+      boxes.push_back(BoxOf(maker.Next()));
       if (with_masks) masks.push_back(maker.Masks());
     }
     EXPECT_GT(change([&] { bodies.Insert(ids, boxes, masks); }), 0u);
     for (std::size_t i = 0; i < ids.size(); ++i) {
-      model.Insert(ids[i], boxes[i], with_masks ? masks[i] : BodyMasks());
+      model.Insert(ids[i], PlanesOf(boxes[i]),
+                   with_masks ? masks[i] : BodyMasks());
     }
     expect(first);
   };
@@ -680,23 +678,23 @@ TEST(BroadPhaseMemoryTest, NothingChangesWithoutMemory) {
   insert(5000, 100, false);
   update_pairs();
   EXPECT_EQ(change([&] {
-              for (auto& [id, object] : model.objects) {
+              for (auto& [id, body] : model.bodies) {
                 if (id % 3 != 0) continue;
-                model.Move(id, maker.Moved(object.bound));
-                bodies.Move(id, object.bound);
+                model.Move(id, maker.Moved(body.bound));
+                bodies.Move(id, BoxOf(body.bound));
               }
               bodies.Erase(699);
             }),
             0u);
-  model.objects.erase(699);
+  model.bodies.erase(699);
   change([&] { bodies.Update(); });
   update_pairs();
   // Of two bodies, of which the second has the first mask that needs memory.
   const std::vector<BodyMasks> masks = {
       {.category = 0xFFFFFFFF, .collides_with = 2}, {.category = 2}};
   EXPECT_GT(change([&] { bodies.SetMasks(Ids{0, 1}, masks); }), 0u);
-  model.objects.at(0).masks = masks[0];
-  model.objects.at(1).masks = masks[1];
+  model.bodies.at(0).masks = masks[0];
+  model.bodies.at(1).masks = masks[1];
   expect(8);
   insert(20'000, 300, true);
   update_pairs();
@@ -706,12 +704,12 @@ TEST(BroadPhaseMemoryTest, NothingChangesWithoutMemory) {
   EXPECT_GT(change([&] { const Bodies copy(bodies); }), 0u);
   EXPECT_GT(change([&] { bodies.Load(bytes); }), 0u);
   bodies.Erase(0);
-  model.objects.erase(0);
+  model.bodies.erase(0);
   change([&] { saved = BytesOf(bodies); });
   // Queries that copy the tree, because a body is late.
   Inside(bodies, [&] {
     bodies.Move(1, kFar);
-    model.Move(1, kFar);
+    model.Move(1, PlanesOf(kFar));
     const auto in_query = [&](const auto& call) {
       std::size_t tries = 0;
       for (bool is_done = false; !is_done; ++tries) {

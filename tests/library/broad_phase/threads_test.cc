@@ -14,7 +14,7 @@
 
 #include "halfspace/error.h"
 #include "halfspace/halfspace.h"
-#include "tests/library/broad_phase/history.h"
+#include "tests/library/broad_phase/any_bodies.h"
 #include "tests/library/support/environment.h"
 
 namespace halfspace::testing {
@@ -226,10 +226,11 @@ class BroadPhaseThreads {
 
   // When no other thread runs: as a list of where all bodies went last.
   void ExpectIsAsTheThreadsLeftIt() {
-    BodyModel<AabbView3> model;
+    BodyModel model;
     for (std::uint32_t id = 0; id < kAllIds; ++id) {
       if (id >= kChanging && !is_there_[id]) continue;
-      model.Insert(id, PlaceOf(id, is_second_[id]), bodies_.MasksOf(id));
+      model.Insert(id, PlanesOf(PlaceOf(id, is_second_[id])),
+                   bodies_.MasksOf(id));
     }
     bodies_.UpdatePairs();
     pairs_.Add(bodies_);
@@ -488,7 +489,7 @@ TEST(BroadPhaseThreadsTest, EventsDoNotDependOnTheRunner) {
   };
   const std::vector<Runner> runs = {Runner(), two, seven, backwards};
   constexpr std::uint32_t kCount = 20'000;
-  std::vector<IdPairs> events(runs.size());
+  std::vector<PairList> events(runs.size());
   for (std::size_t r = 0; r < runs.size(); ++r) {
     BroadPhaseOptions options;
     options.filter.keep = &KeepsSome;
@@ -501,7 +502,7 @@ TEST(BroadPhaseThreadsTest, EventsDoNotDependOnTheRunner) {
       boxes.push_back(spread.NextObject());
     }
     bodies.Insert(ids, boxes);
-    IdPairs before;
+    PairList before;
     for (const float step : {0.0f, 0.25f, 1.0f}) {
       for (std::uint32_t id = 0; id < kCount; ++id) {
         const std::size_t k = id % 3;

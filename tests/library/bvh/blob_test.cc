@@ -1,28 +1,22 @@
-// A blob is the BVH that it was made of, or is refused, or is
-// harmless.
-
+// A blob has what its BVH has and nothing else. One of another type is refused,
+// and an altered one is refused or harmless. history_test.cc goes on with
+// blobs.
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <map>
 #include <memory>
 #include <new>
-#include <random>
-#include <span>
 #include <stdexcept>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
-#include "halfspace/halfspace.h"
 #include "tests/library/bvh/aligned_copy.h"
-#include "tests/library/bvh/model.h"
+#include "tests/library/bvh/answers.h"
 #include "tests/library/bvh/old_format.h"
-#include "tests/library/bvh/spread.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
 #include "tests/library/support/guarded_memory.h"
@@ -30,49 +24,17 @@
 namespace halfspace::testing {
 namespace {
 
-template <typename Case>
-class BvhBlobTest : public ::testing::Test {};
-TYPED_TEST_SUITE(BvhBlobTest, FewBvhCases, CaseNames);
+class BvhBlobTest : public ::testing::TestWithParam<Layout> {};
+INSTANTIATE_TEST_SUITE_P(Of, BvhBlobTest, ::testing::ValuesIn(LayoutsOf(false)),
+                         LayoutName());
 
-TYPED_TEST(BvhBlobTest, ABlobIsTheWorld) {
-  using View = typename TypeParam::View;
-  for (std::size_t size : {0u, 1u, 64u, 5000u}) {
-    Spread<View> spread(2.0f);
-    const World<View> world = spread.Objects(size);
-    Model<View> model;
-    for (std::uint32_t i = 0; i < size; ++i) model.objects[i] = {world.Get(i)};
-    Bvh<View> bvh(world);
-    if (size == 5000) {
-      bvh.Erase(17);
-      model.objects.erase(17);
-      bvh.SetMasks(5, 4);
-      model.objects[5].masks = 4;
-    }
-    const AlignedCopy blob(bvh.Blob());
-    const AlignedCopy untouched(bvh.Blob());
-    Bvh<View> copy = Bvh<View>::FromBlob(blob.bytes());
-    Bvh<View> in_place = Bvh<View>::InPlace(blob.bytes());
-    const auto queries = SomeQueries<View>(size);
-    for (Target target : TargetsUnderTest()) {
-      ExpectIsModel<View>(copy, model, queries, target, 4);
-      ExpectIsModel<View>(in_place, model, queries, target);
-    }
-    // A change leaves the bytes alone.
-    const auto bound = spread.NextObject();
-    const std::uint32_t id = in_place.Insert(bound);
-    EXPECT_EQ(id, size == 5000 ? 17 : size);
-    model.objects[id] = {bound};
-    ExpectIsModel<View>(in_place, model, queries, ChosenTarget());
-    EXPECT_TRUE(std::equal(blob.bytes().begin(), blob.bytes().end(),
-                           untouched.bytes().begin()));
-    EXPECT_EQ(copy.Insert(bound), id);
-    ExpectIsModel<View>(copy, model, queries, ChosenTarget());
-  }
+std::vector<std::byte> BytesOf(const AnyBvh& bvh) {
+  const auto blob = bvh.tree().Blob();
+  return {blob.begin(), blob.end()};
 }
 
 // A blob may leave the process, so nothing of what its memory held before does.
-TYPED_TEST(BvhBlobTest, ABlobHasNothingElseInIt) {
-  using View = typename TypeParam::View;
+TEST_P(BvhBlobTest, ABlobHasNothingElseInIt) {
   struct Filled {
     int byte;
     void* allocate(std::size_t bytes, std::size_t alignment) const {
@@ -86,87 +48,56 @@ TYPED_TEST(BvhBlobTest, ABlobHasNothingElseInIt) {
   };
   Filled zeros{0};
   Filled ones{255};
-  Spread<View> spread(2.0f);
-  const World<View> world = spread.Objects(4500);
-  Bvh<View> a(world, {.memory = MemoryFrom(zeros)});
-  Bvh<View> b(world, {.memory = MemoryFrom(ones)});
+  Spheres spheres(GetParam(), 2);
+  const std::vector<Planes> bounds = spheres.Some(4500);
+  const auto a = MakeBvh(GetParam(), bounds, {.memory = MemoryFrom(zeros)});
+  const auto b = MakeBvh(GetParam(), bounds, {.memory = MemoryFrom(ones)});
   for (int step = 0; step < 4; ++step) {
-    const auto of_a = a.Blob();
-    EXPECT_TRUE(std::equal(of_a.begin(), of_a.end(), b.Blob().begin())) << step;
-    for (Bvh<View>* changed : {&a, &b}) {
-      if (step == 0) changed->Erase(17);
-      if (step == 1) changed->SetMasks(5, 4);
-      if (step == 2) {
-        for (std::uint32_t i = 0; i < 100; ++i) changed->Insert(world.Get(i));
+    EXPECT_EQ(BytesOf(*a), BytesOf(*b)) << step;
+    for (AnyBvh* changed : {a.get(), b.get()}) {
+      if (step == 0) changed->EraseOne(17);
+      if (step == 1) changed->SetMask(5, 4);
+      for (std::size_t i = 0; step == 2 && i < 100; ++i) {
+        changed->InsertOne({{bounds[i]}, {}});
       }
     }
   }
 }
 
-// Calls fn(View) for each kind of world.
-template <typename Call>
-void ForEachKind(const Call& call) {
-  call(SimplexView3());
-  call(AabbView3());
-  call(AaboView3());
-#if !defined(HALFSPACE_TEST_ONLY_3D)
-  call(SimplexView2());
-  call(AabbView2());
-  call(AaboView2());
-#endif
-}
-
-TYPED_TEST(BvhBlobTest, OfAnotherTypeIsRefused) {
-  using View = typename TypeParam::View;
-  const Bvh<View> bvh(Spread<View>(1.0f).Objects(100));
-  ForEachKind([&](auto other) {
-    using Other = decltype(other);
-    if constexpr (!std::is_same_v<Other, View>) {
-      EXPECT_TRUE(Refuses([&] { Bvh<Other>::FromBlob(bvh.Blob()); },
-                          {"FromBlob", "blob", "dimensions", "axes"}));
-      EXPECT_TRUE(Refuses([&] { Bvh<Other>::InPlace(bvh.Blob()); },
-                          {"InPlace", "blob", "dimensions", "axes"}));
+TEST_P(BvhBlobTest, OfAnotherTypeIsRefused) {
+  const auto bvh = MakeBvh(GetParam(), Spheres(GetParam(), 1).Some(100));
+  for (const Layout& other : LayoutsOf(false)) {
+    if (other == GetParam()) continue;
+    const auto of_other = MakeBvh(other, std::vector<Planes>());
+    for (bool is_in_place : {false, true}) {
+      EXPECT_TRUE(Refuses(
+          [&] { of_other->Loaded(bvh->tree().Blob(), is_in_place, {}); },
+          {is_in_place ? "InPlace" : "FromBlob", "blob", "dimensions",
+           "axes"}));
     }
-  });
-}
-
-// A change of any one bit is seen, at once or by Verify().
-TYPED_TEST(BvhBlobTest, VerifyFindsWhatWasAltered) {
-  using View = typename TypeParam::View;
-  using Bvh = Bvh<View>;
-  Bvh bvh(Spread<View>(1.0f).Objects(200));
-  EXPECT_TRUE(bvh.Verify());
-  bvh.Erase(3);
-  const AlignedCopy blob(bvh.Blob());
-  EXPECT_TRUE(Bvh::FromBlob(blob.bytes()).Verify());
-  EXPECT_TRUE(Bvh(Bvh::InPlace(blob.bytes())).Verify());
-  Random random(1);
-  for (std::size_t at = 0; at < blob.bytes().size();
-       at += at < 64 ? 1 : 1 + random() % 64) {
-    const std::byte was = blob.bytes()[at];
-    blob.bytes()[at] ^= std::byte{1} << random() % 8;
-    try {
-      EXPECT_FALSE(Bvh::InPlace(blob.bytes()).Verify()) << at;
-      EXPECT_FALSE(Bvh(Bvh::FromBlob(blob.bytes())).Verify()) << at;
-    } catch (const std::invalid_argument&) {
-      EXPECT_LT(at, blob.bytes().size());
-    }
-    blob.bytes()[at] = was;
   }
-  // A change that is refused is none.
-  blob.bytes()[blob.bytes().size() - 1] ^= std::byte{1};
-  Bvh altered = Bvh::FromBlob(blob.bytes());
-  EXPECT_EQ(altered.RebuildPartial(0), 0u);
-  EXPECT_THROW(altered.Erase(3), std::invalid_argument);
-  EXPECT_FALSE(altered.Verify());
-  blob.bytes()[blob.bytes().size() - 1] ^= std::byte{1};
-  // After a change there is another blob.
-  Bvh changed = Bvh::InPlace(blob.bytes());
-  changed.Erase(4);
-  EXPECT_TRUE(changed.Verify());
-  EXPECT_TRUE(Bvh::FromBlob(changed.Blob()).Verify());
-  EXPECT_FALSE(std::equal(blob.bytes().begin(), blob.bytes().end(),
-                          changed.Blob().begin()));
+}
+
+// The blob stays what it was made of: a change that is refused is none, and
+// after one there is another blob.
+TEST_P(BvhBlobTest, VerifyLooksAtTheBytesThatWereLoaded) {
+  const auto bvh = MakeBvh(GetParam(), Spheres(GetParam(), 1).Some(200));
+  bvh->EraseOne(3);
+  const AlignedCopy blob(bvh->tree().Blob());
+  std::byte& last = blob.bytes().back();
+  last ^= std::byte{1};
+  const auto altered = bvh->Loaded(blob.bytes(), false, {});
+  EXPECT_EQ(altered->RebuildPartial(0), 0u);
+  EXPECT_THROW(altered->EraseOne(3), std::invalid_argument);
+  EXPECT_FALSE(altered->tree().Verify());
+  EXPECT_FALSE(altered->Copy()->tree().Verify());
+  last ^= std::byte{1};
+  const auto changed = bvh->Loaded(blob.bytes(), true, {});
+  EXPECT_TRUE(changed->tree().Verify() && changed->Copy()->tree().Verify());
+  changed->EraseOne(4);
+  EXPECT_TRUE(changed->tree().Verify());
+  EXPECT_TRUE(bvh->Loaded(changed->tree().Blob(), false, {})->tree().Verify());
+  EXPECT_NE(BytesOf(*changed), BytesOf(*bvh));
 }
 
 // Blocks between pages that fault, and the last of each touches one.
@@ -187,37 +118,95 @@ struct GuardedBlocks {
 
 // Any byte of what a blob says of itself, and any number of them: the blob is
 // refused, or no query and no change reads or writes anything else.
-TYPED_TEST(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
-  using View = typename TypeParam::View;
-  using Bvh = Bvh<View>;
-  using Bound = typename View::Bound;
-  const World<View> objects = Spread<View>(2.0f).Objects(700);
-  const std::vector<Aabb<Bound::kDimensions, double>> of_doubles(700);
-  const std::vector<std::uint32_t> masks(700, 3);
-  const Bvh fresh(objects);
-  Bvh bvh(fresh);
-  for (std::uint32_t id = 0; id < 60; ++id) bvh.Erase(id);
-  for (int i = 0; i < 80; ++i) bvh.Insert(Bound::Empty());
-  bvh.Erase(5);
-  Bvh with_masks(bvh);
-  with_masks.SetMasks(6, 2);
-  Bvh with_own_ids(bvh);
-  with_own_ids.InsertAs(Ids{730, 2000, 6000}, std::vector<Bound>(3));
-  const Bvh* const worlds[] = {&fresh, &bvh, &with_masks, &with_own_ids};
+TEST_P(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
+  const Layout layout = GetParam();
+  Spheres spheres(layout, 2);
+  const BoundList objects{spheres.Some(700), {}};
+  const Planes everything = EverythingOf(layout);
+  const auto fresh = MakeBvh(layout, objects);
+  const auto bvh = fresh->Copy();
+  for (std::uint32_t id = 0; id < 60; ++id) bvh->EraseOne(id);
+  for (int i = 0; i < 80; ++i) bvh->InsertOne({{EmptyOf(layout)}, {}});
+  bvh->EraseOne(5);
+  const auto with_masks = bvh->Copy();
+  with_masks->SetMask(6, 2);
+  const auto with_own_ids = bvh->Copy();
+  with_own_ids->InsertAs(Ids{730, 2000, 6000},
+                         {std::vector<Planes>(3, everything), {}});
   std::vector<std::vector<std::byte>> blobs;
-  for (const Bvh* world : worlds) {
-    blobs.emplace_back(world->Blob().begin(), world->Blob().end());
-    blobs.push_back(AsFormat4(world->Blob()));
-    EXPECT_EQ(Bvh::FromBlob(blobs.back()).size(), world->size());
-    blobs.push_back(AsFormat3<View>(world->Blob()));
-    EXPECT_EQ(Bvh::FromBlob(blobs.back()).size(), world->size());
+  for (const AnyBvh* world :
+       {fresh.get(), bvh.get(), with_masks.get(), with_own_ids.get()}) {
+    const auto blob = world->tree().Blob();
+    blobs.push_back(BytesOf(*world));
+    for (const auto& old : {AsFormat4(blob), AsFormat3(layout, blob)}) {
+      EXPECT_EQ(bvh->Loaded(old, false, {})->size(), world->size());
+      blobs.push_back(old);
+    }
   }
-  const auto queries = SomeQueries<View>(1);
   Random random(1);
   std::size_t refused = 0;
   std::size_t changed = 0;
   GuardedBlocks guarded;
-  Ids free_ids(70);
+  const auto query = [&](const AnyBvh& world) {
+    (void)world.tree().Verify();
+    Ids ids(10);
+    for (int kind = 0; kind <= Shape::kHalfSpaces; ++kind) {
+      const auto shapes =
+          SomeShapes(layout, static_cast<Shape::Kind>(kind), 1, false, random);
+      (void)world.Find(shapes[0], ids, {.mask = 3}, 0);
+      (void)world.Count(shapes[0], {});
+    }
+    const Shape all{Shape::kBound, {everything.rbegin(), everything.rend()}};
+    (void)world.Find(all, ids, {.mask = 3}, 0);
+    (void)world.Count(all, {});
+    Ids near(3);
+    (void)world.Nearest({.is_point = true}, near, {}, kInf, {});
+    if (!layout.has_max) return;
+    const Span<const std::uint32_t> set = near;
+    (void)world.FindPairs(nullptr, nullptr, {}, {});
+    (void)world.FindPairs(nullptr, &set, {}, {});
+    (void)world.FindPairs(&world, &set, {}, {.wanted = near});
+  };
+  const auto change = [&](AnyBvh& world, std::size_t what) {
+    const auto id = static_cast<std::uint32_t>(random() % 720);
+    BoundList bounds{{everything}, {}};
+    Ids ids;
+    switch (what) {
+      case 0:
+        return world.Refit(objects);
+      case 1:
+        return world.SetMask(id, 1);
+      case 2:
+        return world.SetMasks(Ids(700, 3));
+      case 3:
+        world.RebuildPartial(1000);
+        return;
+      case 4:
+        return world.Rebuild({});
+      case 5:
+        return world.SetOne(id, bounds);
+      case 6:
+        for (std::uint32_t i = 0; i < 720; ++i) {
+          if (world.tree().Has(i)) world.EraseOne(i);
+        }
+        return;
+      case 7:
+        bounds.floats.assign(world.tree().ids().size(), EmptyOf(layout));
+        return world.RefitInOrder(bounds);
+      case 8:
+        bounds.floats.assign(700, Planes{});
+        bounds.doubles.resize(700);
+        return world.Refit(bounds);
+      case 9:
+        for (std::uint32_t i = 0; i < 70; ++i) {
+          if (!world.tree().Has(id + i * 97)) ids.push_back(id + i * 97);
+        }
+        bounds.floats.assign(ids.size(), Planes{});
+        return world.InsertAs(ids, bounds);
+      default:
+        for (int i = 0; i < 300; ++i) world.InsertOne(bounds);
+    }
+  };
   for (std::size_t round = 0, rounds = std::max<std::size_t>(Scaled(1000), 100);
        round < rounds; ++round) {
     const std::vector<std::byte>& blob = blobs[random() % blobs.size()];
@@ -235,81 +224,16 @@ TYPED_TEST(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
         altered[random() % most] = static_cast<std::byte>(random());
       }
     }
-    const auto load = [&] {
-      return random() % 2 == 0 ? Bvh::InPlace(altered, MemoryFrom(guarded))
-                               : Bvh::FromBlob(altered, MemoryFrom(guarded));
-    };
-    try {
-      const Bvh world = load();
-      (void)world.Verify();
-      Ids ids(10);
-      for (const auto& query : queries) {
-        (void)Survivors(world, query, ids, {.mask = 3});
-        (void)CountSurvivors(world, query);
-      }
-      std::array<std::uint32_t, 3> near{};
-      (void)KNearest(world, {}, near, {});
-      (void)CountSurvivors(world, Sphere<Bound::kDimensions>{{}, 9.0f});
-      (void)CountSurvivors(world, Segment<Bound::kDimensions>{{}, {}});
-      if constexpr (HasMaxima<View>) {
-        (void)Pairs(world, {});
-        (void)PairsOf(world, Span<const std::uint32_t>(near), {});
-        (void)PairsOf(world, Span<const std::uint32_t>(near), world, {},
-                      {.wanted = near});
-      }
-    } catch (const std::invalid_argument&) {
-      ++refused;
-    }
-    for (std::size_t first = 0; first < 11; ++first) {
+    for (std::size_t first = 0; first < 12; ++first) {
       try {
-        Bvh world = load();
+        const auto world =
+            bvh->Loaded(altered, random() % 2 == 0, MemoryFrom(guarded));
+        if (first == 11) {
+          query(*world);
+          continue;
+        }
         for (std::size_t step = 0; step < 4; ++step) {
-          const auto id = static_cast<std::uint32_t>(random() % 720);
-          switch (step == 0 ? first : random() % 11) {
-            case 0:
-              world.Refit(objects);
-              break;
-            case 1:
-              world.SetMasks(id, 1);
-              break;
-            case 2:
-              world.SetMasks(masks);
-              break;
-            case 3:
-              world.RebuildPartial(1000);
-              break;
-            case 4:
-              world.Rebuild();
-              break;
-            case 5:
-              world.Set(id, Bound::Everything());
-              break;
-            case 6:
-              for (std::uint32_t i = 0; i < 720; ++i) {
-                if (world.Has(i)) world.Erase(i);
-              }
-              break;
-            case 7:
-              world.RefitInOrder(World<View>(
-                  std::vector<Bound>(world.ids().size(), Bound::Empty())));
-              break;
-            case 8:
-              if constexpr (std::is_same_v<Bound, Aabb<Bound::kDimensions>>) {
-                world.Refit(of_doubles);
-              }
-              break;
-            case 9:
-              for (std::size_t i = 0; i < free_ids.size(); ++i) {
-                free_ids[i] = static_cast<std::uint32_t>(id + i * 97);
-              }
-              std::erase_if(free_ids,
-                            [&](std::uint32_t i) { return world.Has(i); });
-              world.InsertAs(free_ids, std::vector<Bound>(free_ids.size()));
-              free_ids.resize(70);
-              break;
-            default:
-              for (int i = 0; i < 300; ++i) world.Insert(Bound::Everything());
-          }
+          change(*world, step == 0 ? first : random() % 11);
           ++changed;
         }
       } catch (const std::invalid_argument&) {
@@ -323,7 +247,7 @@ TYPED_TEST(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
     for (std::size_t size : {1u, 63u, 64u, 1000u}) {
       EXPECT_TRUE(Refuses(
           [&] {
-            Bvh::FromBlob({blob.data(), size});
+            bvh->Loaded({blob.data(), size}, false, {});
           },
           {"FromBlob", "blob"}));
     }

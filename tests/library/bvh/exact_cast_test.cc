@@ -11,15 +11,12 @@
 #include <optional>
 #include <vector>
 
-#include "halfspace/halfspace.h"
-#include "tests/library/bvh/spread.h"
+#include "tests/library/bvh/answers.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/exact.h"
 
 namespace halfspace::testing {
 namespace {
-
-constexpr float kInf = std::numeric_limits<float>::infinity();
 
 // One axis of a body and of what moves to it. A plane that limits nothing is
 // absent.
@@ -119,51 +116,43 @@ Times TimesWithin(const std::vector<ExactAxis>& axes,
   return {last_within(all.from), last_within(all.to)};
 }
 
-template <int kDims>
-struct Moving {
-  Aabb<kDims> box;  // or the center of a ball
-  Point<kDims> direction;
-  float max_t;
-  float radius;
-};
-
-// The t at which it touches the bound, larger by `margin`.
-template <typename Bound, int kDims>
-std::optional<mpq_class> ExactEntry(const Bound& bound,
-                                    const Moving<kDims>& moving,
+// The t at which what moves touches the bound, larger by `margin`.
+std::optional<mpq_class> ExactEntry(const Layout& layout, const Planes& bound,
+                                    const Motion& motion,
                                     const mpq_class& margin = 0) {
-  std::vector<ExactAxis> axes(Bound::kAxes);
+  const std::size_t dims = layout.dims;
+  std::vector<ExactAxis> axes(layout.axes);
   for (std::size_t k = 0; k < axes.size(); ++k) {
-    if (bound.min[k] == kInf) return std::nullopt;
-    if (bound.min[k] > -kInf) axes[k].min = Exact(bound.min[k]) - margin;
-    if constexpr (requires { bound.max; }) {
-      if (bound.max[k] == -kInf) return std::nullopt;
-      if (bound.max[k] < kInf) axes[k].max = Exact(bound.max[k]) + margin;
-    }
-    if (k < kDims) {
-      axes[k].low = Exact(moving.box.min[k]);
-      axes[k].high = Exact(moving.box.max[k]);
-      axes[k].speed = Exact(moving.direction[k]);
+    const float min = bound[k];
+    const float max = layout.has_max ? bound[layout.first_max + k] : kInf;
+    if (min == kInf || max == -kInf) return std::nullopt;
+    if (min > -kInf) axes[k].min = Exact(min) - margin;
+    if (max < kInf) axes[k].max = Exact(max) + margin;
+    if (k < dims) {
+      axes[k].low = Exact(motion.place.min[k]);
+      axes[k].high = Exact(motion.place.max[k]);
+      axes[k].speed = Exact(motion.direction[k]);
     } else {
-      for (std::size_t i = 0; i < kDims; ++i) {
+      for (std::size_t i = 0; i < dims; ++i) {
         axes[k].low -= axes[i].high;
         axes[k].high -= axes[i].low;
         axes[k].speed -= axes[i].speed;
       }
     }
   }
-  const float most = std::numeric_limits<float>::max();
-  Times times = {0, Exact(std::min(moving.max_t, most))};
-  if (moving.radius > 0) {
+  Times times = {0, Exact(std::min(motion.max_t, kMost))};
+  if (motion.kind == Motion::kBall && motion.radius > 0) {
     const Times all = times;
-    const mpq_class radius = Exact(moving.radius) + margin;
-    const auto limit = [&](const std::vector<ExactAxis>& some, int factor) {
-      const Times within = TimesWithin(some, factor * radius * radius, all);
+    const mpq_class radius = Exact(motion.radius) + margin;
+    const auto limit = [&](const std::vector<ExactAxis>& some,
+                           std::size_t factor) {
+      const Times within =
+          TimesWithin(some, mpq_class(factor) * radius * radius, all);
       times.from = std::max(times.from, within.from);
       times.to = std::min(times.to, within.to);
     };
-    limit({axes.begin(), axes.begin() + kDims}, 1);
-    if (axes.size() > kDims) limit({axes[kDims]}, kDims);
+    limit({axes.begin(), axes.begin() + static_cast<std::ptrdiff_t>(dims)}, 1);
+    if (axes.size() > dims) limit({axes[dims]}, dims);
   } else {
     for (const ExactAxis& axis : axes) {
       if (axis.max) times.Limit(axis.speed, *axis.max - axis.low);
@@ -175,7 +164,7 @@ std::optional<mpq_class> ExactEntry(const Bound& bound,
 }
 
 // Where numbers are from.
-enum class Scene {
+enum class Scale {
   kUsual,
   kLattice,  // small integers: much touches exactly, and moves along planes
   kTiny,     // subnormals
@@ -185,31 +174,31 @@ enum class Scene {
 
 class Numbers {
  public:
-  Numbers(Scene scene, std::uint64_t seed) : scene_(scene), random_(seed) {}
+  Numbers(Scale scale, std::uint64_t seed) : scale_(scale), random_(seed) {}
 
   std::size_t Next(std::size_t end) { return random_() % end; }
   float Coordinate() {
-    switch (scene_) {
-      case Scene::kUsual:
+    switch (scale_) {
+      case Scale::kUsual:
         return Unit() * 10;
-      case Scene::kLattice:
+      case Scale::kLattice:
         return static_cast<float>(Next(9)) - 4;
-      case Scene::kTiny:
+      case Scale::kTiny:
         return Unit() * 0x1p-140f;
-      case Scene::kHuge:
+      case Scale::kHuge:
         return Unit() * 0x1p98f;
-      case Scene::kMixed:
+      case Scale::kMixed:
         break;
     }
     return std::ldexp(Unit(), static_cast<int>(Next(250)) - 148);
   }
   float Size() {
     const float size = std::abs(Coordinate());
-    return scene_ == Scene::kUsual ? size / 8 : Next(4) == 0 ? 0 : size;
+    return scale_ == Scale::kUsual ? size / 8 : Next(4) == 0 ? 0 : size;
   }
   float Speed() {
     if (Next(6) == 0) return 0;
-    if (scene_ == Scene::kUsual) return Unit();
+    if (scale_ == Scale::kUsual) return Unit();
     return Coordinate();
   }
   // Between -1 and 1.
@@ -218,92 +207,79 @@ class Numbers {
   }
 
  private:
-  Scene scene_;
+  Scale scale_;
   Random random_;
 };
 
-template <typename View>
-typename View::Bound SomeBound(Numbers& numbers) {
-  using Bound = typename View::Bound;
-
-  typename AaboView<Bound::kDimensions>::Bound all;
-  for (std::size_t k = 0; k < all.min.size(); ++k) {
-    all.min[k] = numbers.Coordinate();
-    all.max[k] = all.min[k] + numbers.Size();
-    if (numbers.Next(20) == 0) all.max[k] = kInf;
-    if (numbers.Next(20) == 0) all.min[k] = -kInf;
+Planes SomeBound(const Layout& layout, Numbers& numbers) {
+  std::array<float, 4> min{};
+  std::array<float, 4> max{};
+  for (std::size_t k = 0; k <= layout.dims; ++k) {
+    min[k] = numbers.Coordinate();
+    max[k] = min[k] + numbers.Size();
+    if (numbers.Next(20) == 0) max[k] = kInf;
+    if (numbers.Next(20) == 0) min[k] = -kInf;
   }
   // A D that belongs to the box, for most of them.
   if (numbers.Next(4) != 0) {
-    all.min.back() = all.max.back() = 0;
-    for (std::size_t k = 0; k < Bound::kDimensions; ++k) {
-      all.min.back() -= all.max[k];
-      all.max.back() -= all.min[k];
+    float& min_d = min[layout.dims];
+    float& max_d = max[layout.dims];
+    min_d = max_d = 0;
+    for (std::size_t k = 0; k < layout.dims; ++k) {
+      min_d -= max[k];
+      max_d -= min[k];
     }
   }
-  return ObjectOf<View>(all);
+  Planes bound{};
+  for (std::size_t p = 0; p < layout.plane_count; ++p) {
+    bound[p] = IsMin(layout, p) ? min[p] : max[p - layout.axes];
+  }
+  return bound;
 }
 
-template <typename Case>
-class ExactCastTest : public ::testing::Test {};
-TYPED_TEST_SUITE(ExactCastTest, BvhCases, CaseNames);
+class ExactCastTest : public ::testing::TestWithParam<Layout> {};
+INSTANTIATE_TEST_SUITE_P(Of, ExactCastTest,
+                         ::testing::ValuesIn(LayoutsOf(false)), LayoutName());
 
-TYPED_TEST(ExactCastTest, NoHitIsMissedAndNoneIsLate) {
-  using View = typename TypeParam::View;
-  using Bound = typename View::Bound;
-  constexpr int kDims = Bound::kDimensions;
+TEST_P(ExactCastTest, NoHitIsMissedAndNoneIsLate) {
+  const Layout layout = GetParam();
   constexpr std::uint32_t kBodies = 80;  // in two leaves
-  enum { kRay, kBox, kBall, kWhats };
-  for (const Scene scene : {Scene::kUsual, Scene::kLattice, Scene::kTiny,
-                            Scene::kHuge, Scene::kMixed}) {
-    Numbers numbers(scene, static_cast<std::uint64_t>(scene));
-    std::vector<Bound> bounds;
+  for (const Scale scale : {Scale::kUsual, Scale::kLattice, Scale::kTiny,
+                            Scale::kHuge, Scale::kMixed}) {
+    Numbers numbers(scale, static_cast<std::uint64_t>(scale));
+    std::vector<Planes> bounds;
     for (std::uint32_t id = 0; id < kBodies; ++id) {
-      bounds.push_back(SomeBound<View>(numbers));
+      bounds.push_back(SomeBound(layout, numbers));
     }
-    const Bvh<View> bodies(bounds);
+    const auto bvh = MakeBvh(layout, bounds);
     const std::size_t casts = 3 + Scaled(30);
     std::size_t hits = 0;
-    for (std::size_t i = 0; i < casts * kWhats; ++i) {
-      Moving<kDims> moving{};
-      const std::size_t what = i % kWhats;
-      for (std::size_t k = 0; k < kDims; ++k) {
-        moving.box.min[k] = moving.box.max[k] = numbers.Coordinate();
-        if (what == kBox) moving.box.max[k] += numbers.Size();
-        moving.direction[k] = numbers.Speed();
+    for (std::size_t i = 0; i < casts * 3; ++i) {
+      constexpr Motion::Kind kKinds[] = {Motion::kRay, Motion::kBox,
+                                         Motion::kBall};
+      Motion motion;
+      motion.kind = kKinds[i % 3];
+      motion.place.is_point = motion.kind != Motion::kBox;
+      for (std::size_t k = 0; k < layout.dims; ++k) {
+        motion.place.min[k] = motion.place.max[k] = numbers.Coordinate();
+        if (motion.kind == Motion::kBox) motion.place.max[k] += numbers.Size();
+        motion.direction[k] = numbers.Speed();
       }
-      if (numbers.Next(10) == 0) moving.direction = {};
+      if (numbers.Next(10) == 0) motion.direction = {};
       constexpr float kTimes[] = {1, 3, 20, 0, 0x1p-130f, 0x1p60f, kInf};
-      moving.max_t = kTimes[numbers.Next(std::size(kTimes))];
-      if (what == kBall) moving.radius = numbers.Size();
-      const auto cast = [&](const auto& function) {
-        if (what == kBox) {
-          BoxCast(bodies, moving.box, moving.direction, moving.max_t, function);
-        } else if (what == kBall) {
-          SphereCast(bodies, Sphere<kDims>{moving.box.min, moving.radius},
-                     moving.direction, moving.max_t, function);
-        } else {
-          RayCast(bodies,
-                  Ray<kDims>{moving.box.min, moving.direction, moving.max_t},
-                  function);
-        }
-      };
+      motion.max_t = kTimes[numbers.Next(std::size(kTimes))];
+      if (motion.kind == Motion::kBall) motion.radius = numbers.Size();
       std::map<std::uint32_t, float> found;
-      float first = kInf;
-      cast([&](std::uint32_t id, float t, const Bound&) {
-        ASSERT_TRUE(found.emplace(id, t).second);
-        first = std::min(first, t);
-      });
-      float nearest = kInf;
-      cast([&](std::uint32_t, float t, const Bound&) {
-        nearest = std::min(nearest, t);
-        return Limit{nearest};
-      });
-      ASSERT_EQ(nearest, first);
+      bvh->Cast(motion,
+                [&](std::uint32_t id, float t, const Planes&) {
+                  EXPECT_TRUE(found.emplace(id, t).second);
+                  return Limit{kInf};
+                },
+                {});
       for (std::uint32_t id = 0; id < kBodies; ++id) {
-        SCOPED_TRACE(::testing::Message() << "scene " << static_cast<int>(scene)
+        SCOPED_TRACE(::testing::Message() << "scale " << static_cast<int>(scale)
                                           << ", cast " << i << ", body " << id);
-        const auto entry = ExactEntry(bounds[id], moving);
+        const auto entry = ExactEntry(layout, bounds[id], motion);
         const auto t = found.find(id);
         if (entry) {
           ++hits;
@@ -311,14 +287,15 @@ TYPED_TEST(ExactCastTest, NoHitIsMissedAndNoneIsLate) {
           ASSERT_LE(Exact(t->second), *entry) << entry->get_d();
         }
         // Nothing is found by more than what is rounded off.
-        if (scene != Scene::kUsual || t == found.end()) continue;
-        const auto early = ExactEntry(bounds[id], moving, Exact(0x1p-14));
+        if (scale != Scale::kUsual || t == found.end()) continue;
+        const auto early =
+            ExactEntry(layout, bounds[id], motion, Exact(0x1p-14));
         ASSERT_TRUE(early);
         ASSERT_GE(Exact(t->second), *early * (1 - Exact(0x1p-17)))
             << t->second << " " << early->get_d();
       }
     }
-    EXPECT_GT(hits, 0);
+    EXPECT_GT(hits, 0u);
   }
 }
 

@@ -9,14 +9,15 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <memory>
+#include <ostream>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-#include "halfspace/halfspace.h"
 #include "tests/library/bvh/aligned_copy.h"
-#include "tests/library/bvh/model.h"
+#include "tests/library/bvh/answers.h"
 #include "tests/library/bvh/old_format.h"
 #include "tests/library/bvh/spread.h"
 #include "tests/library/support/environment.h"
@@ -47,106 +48,79 @@ void WriteAt(std::span<std::byte> blob, std::size_t at, T value) {
 }
 
 // A formula in integers, so that all machines make the same objects.
-Aabo3 Octahedron(std::uint32_t i, std::uint32_t size) {
-  Aabo3 bound{};
-  for (std::uint32_t k = 0; k < Aabo3::kAxes; ++k) {
-    bound.min[k] = static_cast<float>((i * 37 + k * 29) % 101) - 50;
-    bound.max[k] = bound.min[k] + static_cast<float>(size);
+Planes Object(const Layout& layout, std::uint32_t i, std::uint32_t size,
+              bool is_query = false) {
+  Planes planes{};
+  for (std::uint32_t p = 0; p < layout.plane_count; ++p) {
+    const std::uint32_t k = p % layout.axes;
+    planes[p] = static_cast<float>((i * 37 + k * 29) % 101) - 50;
+    if (IsMin(layout, p) == is_query) planes[p] += static_cast<float>(size);
   }
-  return bound;
+  return planes;
 }
-template <typename View>
-typename View::Bound Object(std::uint32_t id) {
-  return ObjectOf<View>(Octahedron(id, id % 7));
+BoundList OneObject(const Layout& layout, std::uint32_t id) {
+  return {{Object(layout, id, id % 7)}, {}};
 }
 bool IsErased(std::uint32_t id) { return id % 7 == 3; }
 std::uint32_t MasksOf(std::uint32_t id) {
   return id % 5 == 0 ? 1u << id % 8 : 0xFFFFFFFF;
 }
 
-template <typename View>
-std::vector<typename View::Query> Queries() {
-  std::vector<typename View::Query> queries = {View::Query::Everything()};
-  for (std::uint32_t q = 0; q < 20; ++q) {
-    queries.push_back(QueryOf<View>(Octahedron(q * 7, 20 + q * 3)));
-  }
-  return queries;
-}
+// A file of data/ for each format.
+struct Stored {
+  const char* name;
+  Layout layout;
+  std::uint32_t first_of_layout;  // the first format with today's layout
+  std::uint32_t objects;
+  bool is_erased;
+  bool has_masks;
+};
+void PrintTo(const Stored& stored, std::ostream* out) { *out << stored.name; }
+constexpr Stored kStored[] = {
+    // Built, without places by id, erased objects and masks.
+    {"boxes", Layout(3, 3, true), 4, 100, false, false},
+    // With all of these.
+    {"octahedra", Layout(3, 4, true), 5, 100, true, true},
+    // One block, which has no codes in any format.
+    {"simplices", Layout(3, 4, false), 5, 40, true, false},
+};
 
-// Objects in the order of their ids, which no sort has changed.
-template <typename View>
-Bvh<View> Inserted(std::uint32_t objects, std::uint32_t room) {
-  Bvh<View> bvh;
-  bvh.Reserve(room);
-  for (std::uint32_t id = 0; id < objects; ++id) bvh.Insert(Object<View>(id));
+std::unique_ptr<AnyBvh> Make(const Stored& stored) {
+  std::vector<Planes> bounds;
+  for (std::uint32_t id = 0; id < stored.objects; ++id) {
+    bounds.push_back(OneObject(stored.layout, id).floats[0]);
+  }
+  if (!stored.is_erased) return MakeBvh(stored.layout, bounds);
+  // Objects in the order of their ids, which no sort has changed.
+  auto bvh = MakeBvh(stored.layout, std::vector<Planes>());
+  bvh->Reserve(stored.objects);
+  for (const Planes& bound : bounds) bvh->InsertOne({{bound}, {}});
+  for (std::uint32_t id = 0; id < stored.objects; ++id) {
+    if (IsErased(id)) bvh->EraseOne(id);
+  }
+  for (std::uint32_t id = 0; stored.has_masks && id < stored.objects; ++id) {
+    if (!IsErased(id)) bvh->SetMask(id, MasksOf(id));
+  }
   return bvh;
 }
-template <typename View>
-Bvh<View> InsertedAndErased(std::uint32_t objects) {
-  Bvh<View> bvh = Inserted<View>(objects, objects);
-  for (std::uint32_t id = 0; id < objects; ++id) {
-    if (IsErased(id)) bvh.Erase(id);
-  }
-  return bvh;
-}
 
-// Without places by id, erased objects and masks.
-struct BuiltBoxes {
-  using View = AabbView3;
-  static constexpr const char* kName = "boxes";
-  static constexpr std::uint32_t kFirstOfLayout = 4;
-  static constexpr std::uint32_t kObjects = 100;
-  static constexpr bool kIsErased = false;
-  static constexpr bool kHasMasks = false;
-  static Bvh<View> Make() {
-    World<View> world;
-    for (std::uint32_t id = 0; id < kObjects; ++id) {
-      world.Push(Object<View>(id));
-    }
-    return Bvh<View>(world);
-  }
-};
-// With all of these.
-struct ChangedOctahedra {
-  using View = AaboView3;
-  static constexpr const char* kName = "octahedra";
-  static constexpr std::uint32_t kFirstOfLayout = 5;
-  static constexpr std::uint32_t kObjects = 100;
-  static constexpr bool kIsErased = true;
-  static constexpr bool kHasMasks = true;
-  static Bvh<View> Make() {
-    auto bvh = InsertedAndErased<View>(kObjects);
-    for (std::uint32_t id = 0; id < kObjects; ++id) {
-      if (bvh.Has(id)) bvh.SetMasks(id, MasksOf(id));
-    }
-    return bvh;
-  }
-};
-// One block, which has no codes in any format.
-struct FewSimplices {
-  using View = SimplexView3;
-  static constexpr const char* kName = "simplices";
-  static constexpr std::uint32_t kFirstOfLayout = 5;
-  static constexpr std::uint32_t kObjects = 40;
-  static constexpr bool kIsErased = true;
-  static constexpr bool kHasMasks = false;
-  static Bvh<View> Make() { return InsertedAndErased<View>(kObjects); }
-};
-
-template <typename Case>
-Model<typename Case::View> ModelOf() {
-  Model<typename Case::View> model;
-  for (std::uint32_t id = 0; id < Case::kObjects; ++id) {
-    if (Case::kIsErased && IsErased(id)) continue;
-    model.objects[id] = {Object<typename Case::View>(id)};
-    if (Case::kHasMasks) model.objects[id].masks = MasksOf(id);
+Objects ModelOf(const Stored& stored) {
+  Objects model;
+  for (std::uint32_t id = 0; id < stored.objects; ++id) {
+    if (stored.is_erased && IsErased(id)) continue;
+    model[id] = {OneObject(stored.layout, id).floats[0]};
+    if (stored.has_masks) model[id].masks = MasksOf(id);
   }
   return model;
 }
 
-template <typename Case>
-AlignedCopy File(std::uint32_t format) {
-  const std::string path = std::string(HALFSPACE_TEST_DATA "/") + Case::kName +
+std::unique_ptr<AnyBvh> Loaded(const Layout& layout, Span<const std::byte> blob,
+                               bool is_in_place) {
+  return MakeBvh(layout, std::vector<Planes>())->Loaded(blob, is_in_place, {});
+}
+
+AlignedCopy File(const Stored& stored, std::uint32_t format) {
+  const std::string path = std::string(HALFSPACE_TEST_DATA "/") + stored.name +
                            "." + std::to_string(format) + ".bvh";
   std::ifstream file(path, std::ios::binary);
   const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
@@ -156,15 +130,11 @@ AlignedCopy File(std::uint32_t format) {
 }
 
 // The bytes of a world are those that its format has had from its beginning.
-template <typename Case>
-void ExpectIsNewest(const Bvh<typename Case::View>& bvh) {
-  const AlignedCopy file = File<Case>(kNewest);
-  const auto blob = bvh.Blob();
-  if (std::equal(blob.begin(), blob.end(), file.bytes().begin(),
-                 file.bytes().end())) {
-    return;
-  }
-  const std::string today = ::testing::TempDir() + Case::kName + ".bvh";
+void ExpectIsNewest(const Stored& stored, const AnyBvh& bvh) {
+  const AlignedCopy file = File(stored, kNewest);
+  const auto blob = bvh.tree().Blob();
+  if (std::ranges::equal(blob, file.bytes())) return;
+  const std::string today = ::testing::TempDir() + stored.name + ".bvh";
   std::ofstream(today, std::ios::binary)
       .write(reinterpret_cast<const char*>(blob.data()),
              static_cast<std::streamsize>(blob.size()));
@@ -176,112 +146,117 @@ void ExpectIsNewest(const Bvh<typename Case::View>& bvh) {
                    "The old files stay.";
 }
 
-template <typename Case>
-class BvhFormatTest : public ::testing::Test {};
-using StoredCases =
-    ::testing::Types<BuiltBoxes, ChangedOctahedra, FewSimplices>;
-TYPED_TEST_SUITE(BvhFormatTest, StoredCases);
-
 // Compares a world with its model, changes both, and compares again.
-template <typename View>
-void ExpectIsModelAfterChanges(Bvh<View>& world, Model<View> model) {
-  const auto queries = Queries<View>();
-  EXPECT_TRUE(world.Verify());
-  for (Target target : TargetsUnderTest()) {
-    ExpectIsModel<View>(world, model, queries, target);
-    ExpectIsModel<View>(world, model, queries, target, 4);
-  }
-  world.Set(0, Object<View>(50));
-  model.objects[0].bound = Object<View>(50);
-  EXPECT_EQ(FormatOf(world.Blob()), kNewest);
+void ExpectIsModelAfterChanges(AnyBvh& world, Objects model) {
+  const Layout& layout = world.layout;
+  Random random(1);
+  const auto expect = [&] {
+    for (Target target : TargetsUnderTest()) {
+      ExpectIsModel(world, model, {.target = target}, random);
+      ExpectAnswers(world, model, {.target = target, .mask = 4}, random);
+    }
+  };
+  EXPECT_TRUE(world.tree().Verify());
+  expect();
+  const auto set = [&](std::uint32_t id, std::uint32_t object) {
+    world.SetOne(id, OneObject(layout, object));
+    model[id].bound = OneObject(layout, object).floats[0];
+  };
+  set(0, 50);
+  EXPECT_EQ(FormatOf(world.tree().Blob()), kNewest);
   for (std::uint32_t i = 1000; i < 1100; ++i) {
-    const auto bound = Object<View>(i);
-    model.objects[world.Insert(bound)] = {bound};
+    const BoundList bound = OneObject(layout, i);
+    model[world.InsertOne(bound)] = {bound.floats[0]};
   }
   for (std::uint32_t id = 0; id < 100; id += 9) {
-    if (!world.Has(id)) continue;
-    world.Set(id, Object<View>(id + 1));
-    model.objects[id].bound = Object<View>(id + 1);
+    if (model.contains(id)) set(id, id + 1);
   }
-  world.Erase(1);
-  model.objects.erase(1);
-  world.SetMasks(2, 3);
-  model.objects[2].masks = 3;
+  world.EraseOne(1);
+  model.erase(1);
+  world.SetMask(2, 3);
+  model[2].masks = 3;
   for (bool is_rebuilt : {false, true}) {
-    if (is_rebuilt) world.Rebuild();
-    ExpectIsModel<View>(world, model, queries, ChosenTarget());
-    ExpectIsModel<View>(world, model, queries, ChosenTarget(), 4);
-    EXPECT_EQ(FormatOf(world.Blob()), kNewest);
-    EXPECT_TRUE(Bvh<View>::FromBlob(world.Blob()).Verify());
+    if (is_rebuilt) world.Rebuild({});
+    expect();
+    EXPECT_EQ(FormatOf(world.tree().Blob()), kNewest);
+    EXPECT_TRUE(Loaded(layout, world.tree().Blob(), false)->tree().Verify());
   }
 }
 
-TYPED_TEST(BvhFormatTest, EveryFormatIsRead) {
-  using View = typename TypeParam::View;
-  for (std::uint32_t format = kOldest; format <= kNewest; ++format) {
-    SCOPED_TRACE(format);
-    const AlignedCopy file = File<TypeParam>(format);
-    ASSERT_EQ(FormatOf(file.bytes()), format);
-    const AlignedCopy untouched(file.bytes());
-    Bvh<View> copy = Bvh<View>::FromBlob(file.bytes());
-    Bvh<View> in_place = Bvh<View>::InPlace(file.bytes());
-    const bool has_todays_layout = format >= TypeParam::kFirstOfLayout;
-    EXPECT_EQ(in_place.Blob().data() == file.bytes().data(), has_todays_layout);
-    EXPECT_EQ(FormatOf(copy.Blob()), has_todays_layout ? format : kNewest);
-    EXPECT_TRUE(Bvh<View>::InPlace(in_place.Blob()).Verify());
-    Bvh<View> cleared(copy);
-    cleared.Clear();
-    EXPECT_EQ(FormatOf(cleared.Blob()), kNewest);
-    ExpectIsModelAfterChanges<View>(copy, ModelOf<TypeParam>());
-    ExpectIsModelAfterChanges<View>(in_place, ModelOf<TypeParam>());
-    EXPECT_TRUE(std::equal(file.bytes().begin(), file.bytes().end(),
-                           untouched.bytes().begin()));
-  }
-}
+class BvhFormatTest : public ::testing::TestWithParam<Stored> {};
+INSTANTIATE_TEST_SUITE_P(Of, BvhFormatTest, ::testing::ValuesIn(kStored),
+                         [](const auto& one) {
+                           return std::string(one.param.name);
+                         });
 
 // Some builds of format 3 stored no codes for up to 4096 objects, as format 4.
-TYPED_TEST(BvhFormatTest, Format3WithoutCodesIsRead) {
-  using View = typename TypeParam::View;
-  const AlignedCopy file = File<TypeParam>(4);
-  WriteAt(file.bytes(), kVersionAt, std::uint32_t{3});
-  const Bvh<View> world = Bvh<View>::InPlace(file.bytes());
-  EXPECT_EQ(world.Blob().data() == file.bytes().data(),
-            TypeParam::kFirstOfLayout <= 4);
-  ExpectIsModel<View>(world, ModelOf<TypeParam>(), Queries<View>(),
-                      ChosenTarget());
-}
-
-TYPED_TEST(BvhFormatTest, TodaysBytesAreTheNewestFormat) {
-  using View = typename TypeParam::View;
-  if (TypeParam::kIsErased) ExpectIsNewest<TypeParam>(TypeParam::Make());
-  // The order of a build may change without a new format, so it is the file's.
-  const AlignedCopy file = File<TypeParam>(kNewest);
-  Bvh<View> refitted = Bvh<View>::FromBlob(file.bytes());
-  World<View> in_order;
-  for (std::uint32_t id : refitted.ids()) {
-    in_order.Push(id < TypeParam::kObjects ? Object<View>(id)
-                                           : View::Bound::Empty());
+TEST_P(BvhFormatTest, EveryFormatIsRead) {
+  const Stored& stored = GetParam();
+  for (std::uint32_t format = kOldest; format <= kNewest + 1; ++format) {
+    SCOPED_TRACE(format);
+    const bool is_mixed = format > kNewest;
+    const AlignedCopy file = File(stored, is_mixed ? 4 : format);
+    ASSERT_EQ(FormatOf(file.bytes()), is_mixed ? 4 : format);
+    if (is_mixed) WriteAt(file.bytes(), kVersionAt, std::uint32_t{3});
+    const AlignedCopy untouched(file.bytes());
+    const auto copy = Loaded(stored.layout, file.bytes(), false);
+    const auto in_place = Loaded(stored.layout, file.bytes(), true);
+    const bool has_todays_layout =
+        (is_mixed ? 4 : format) >= stored.first_of_layout;
+    EXPECT_EQ(in_place->tree().Blob().data() == file.bytes().data(),
+              has_todays_layout);
+    if (is_mixed) {
+      Random random(2);
+      ExpectIsModel(*in_place, ModelOf(stored), {}, random);
+      continue;
+    }
+    EXPECT_EQ(FormatOf(copy->tree().Blob()),
+              has_todays_layout ? format : kNewest);
+    EXPECT_TRUE(
+        Loaded(stored.layout, in_place->tree().Blob(), true)->tree().Verify());
+    const auto cleared = copy->Copy();
+    cleared->Clear();
+    EXPECT_EQ(FormatOf(cleared->tree().Blob()), kNewest);
+    ExpectIsModelAfterChanges(*copy, ModelOf(stored));
+    ExpectIsModelAfterChanges(*in_place, ModelOf(stored));
+    EXPECT_TRUE(std::ranges::equal(file.bytes(), untouched.bytes()));
   }
-  refitted.RefitInOrder(in_order);
-  ExpectIsNewest<TypeParam>(refitted);
-  EXPECT_EQ(TypeParam::Make().Blob().size(), file.bytes().size());
 }
 
-TYPED_TEST(BvhFormatTest, AnAlteredFileIsSeen) {
-  using Bvh = Bvh<typename TypeParam::View>;
+TEST_P(BvhFormatTest, TodaysBytesAreTheNewestFormat) {
+  const Stored& stored = GetParam();
+  if (stored.is_erased) ExpectIsNewest(stored, *Make(stored));
+  // The order of a build may change without a new format, so it is the file's.
+  const AlignedCopy file = File(stored, kNewest);
+  const auto refitted = Loaded(stored.layout, file.bytes(), false);
+  BoundList in_order;
+  for (std::uint32_t id : refitted->tree().ids()) {
+    in_order.floats.push_back(id < stored.objects
+                                  ? OneObject(stored.layout, id).floats[0]
+                                  : EmptyOf(stored.layout));
+  }
+  refitted->RefitInOrder(in_order);
+  ExpectIsNewest(stored, *refitted);
+  EXPECT_EQ(Make(stored)->tree().Blob().size(), file.bytes().size());
+}
+
+TEST_P(BvhFormatTest, AnAlteredFileIsSeen) {
+  const Layout& layout = GetParam().layout;
   Random random(1);
   for (std::uint32_t format = kOldest; format <= kNewest; ++format) {
     SCOPED_TRACE(format);
-    const AlignedCopy file = File<TypeParam>(format);
+    const AlignedCopy file = File(GetParam(), format);
     const auto bytes = file.bytes();
     for (std::size_t at = 0; at < bytes.size();
          at += at < 64 ? 1 : 1 + random() % 32) {
       const std::byte was = bytes[at];
       bytes[at] ^= std::byte{1} << random() % 8;
       try {
-        EXPECT_FALSE(Bvh::InPlace(bytes).Verify()) << at;
-        EXPECT_FALSE(Bvh::FromBlob(bytes).Verify()) << at;
-        EXPECT_FALSE(Bvh(Bvh::InPlace(bytes)).Verify()) << at;
+        for (bool is_in_place : {true, false}) {
+          const auto bvh = Loaded(layout, bytes, is_in_place);
+          EXPECT_FALSE(bvh->tree().Verify()) << at;
+          EXPECT_FALSE(bvh->Copy()->tree().Verify()) << at;
+        }
       } catch (const std::invalid_argument&) {
         // Refused.
       }
@@ -290,14 +265,15 @@ TYPED_TEST(BvhFormatTest, AnAlteredFileIsSeen) {
     for (std::size_t less : {std::size_t{1}, std::size_t{64}, bytes.size() - 64,
                              bytes.size() - 63, bytes.size() - 1}) {
       const auto cut = bytes.first(bytes.size() - less);
-      EXPECT_TRUE(Refuses([&] { Bvh::InPlace(cut); }, {"InPlace", "blob"}));
-      EXPECT_TRUE(Refuses([&] { Bvh::FromBlob(cut); }, {"FromBlob", "blob"}));
+      EXPECT_TRUE(
+          Refuses([&] { Loaded(layout, cut, true); }, {"InPlace", "blob"}));
+      EXPECT_TRUE(
+          Refuses([&] { Loaded(layout, cut, false); }, {"FromBlob", "blob"}));
     }
   }
 }
 
-TYPED_TEST(BvhFormatTest, OtherFormatsAreRefused) {
-  using Bvh = Bvh<typename TypeParam::View>;
+TEST_P(BvhFormatTest, OtherFormatsAreRefused) {
   struct Other {
     std::uint32_t version;
     std::string given;
@@ -310,12 +286,14 @@ TYPED_TEST(BvhFormatTest, OtherFormatsAreRefused) {
         Other{kNewest + 1, "format 6, which is newer"},
         Other{0x00FFFFFF, "format 16777215, which is newer"},
         Other{kNewest << 24, "the other byte order"}}) {
-    const AlignedCopy file = File<TypeParam>(kNewest);
+    const AlignedCopy file = File(GetParam(), kNewest);
     WriteAt(file.bytes(), kVersionAt, other.version);
-    EXPECT_TRUE(Refuses([&] { Bvh::FromBlob(file.bytes()); },
-                        {"FromBlob", "blob", expected, other.given}));
-    EXPECT_TRUE(Refuses([&] { Bvh::InPlace(file.bytes()); },
-                        {"InPlace", "blob", expected, other.given}));
+    for (bool is_in_place : {false, true}) {
+      EXPECT_TRUE(
+          Refuses([&] { Loaded(GetParam().layout, file.bytes(), is_in_place); },
+                  {is_in_place ? "InPlace" : "FromBlob", "blob", expected,
+                   other.given}));
+    }
   }
 }
 
@@ -323,31 +301,34 @@ TYPED_TEST(BvhFormatTest, OtherFormatsAreRefused) {
 // would be large, so its checksum stands for it, as the first library of each
 // format computed it.
 TEST(BvhFormatCodesTest, EveryFormatIsRead) {
-  using View = AabbView3;
+  constexpr Layout kLayout(3, 3, true);
   constexpr std::uint64_t kChecksums[] = {
       0x3B706554BCC557E5, 0x04D738325CE7C6FA, 0xE90CDA633B527BB5};
-  Bvh<View> bvh = Inserted<View>(100, 4097);
-  Model<View> model;
+  const auto bvh = MakeBvh(kLayout, std::vector<Planes>());
+  bvh->Reserve(4097);
+  Objects model;
   for (std::uint32_t id = 0; id < 100; ++id) {
-    model.objects[id] = {Object<View>(id)};
+    bvh->InsertOne(OneObject(kLayout, id));
+    model[id] = {OneObject(kLayout, id).floats[0]};
   }
-  EXPECT_EQ(ReadAt<std::uint64_t>(bvh.Blob(), kChecksumAt),
+  const auto newest = bvh->tree().Blob();
+  EXPECT_EQ(ReadAt<std::uint64_t>(newest, kChecksumAt),
             kChecksums[kNewest - kOldest])
       << "The bytes of a stored BVH have changed, so they are a new format. "
          "Raise kBvhVersion and kNewest, and add this checksum: see "
          "ExpectIsNewest().";
-  const std::vector<std::byte> format4 = AsFormat4(bvh.Blob());
+  const std::vector<std::byte> format4 = AsFormat4(newest);
   for (std::uint32_t format = kOldest; format <= kNewest; ++format) {
     SCOPED_TRACE(format);
     const bool is_newest = format == kNewest;
-    const AlignedCopy blob(is_newest ? bvh.Blob() : format4);
+    const AlignedCopy blob(is_newest ? newest : format4);
     WriteAt(blob.bytes(), kVersionAt, format);
     WriteAt(blob.bytes(), kChecksumAt, kChecksums[format - kOldest]);
-    Bvh<View> copy = Bvh<View>::FromBlob(blob.bytes());
-    Bvh<View> in_place = Bvh<View>::InPlace(blob.bytes());
-    EXPECT_EQ(in_place.Blob().data() == blob.bytes().data(), is_newest);
-    ExpectIsModelAfterChanges<View>(copy, model);
-    ExpectIsModelAfterChanges<View>(in_place, model);
+    const auto copy = Loaded(kLayout, blob.bytes(), false);
+    const auto in_place = Loaded(kLayout, blob.bytes(), true);
+    EXPECT_EQ(in_place->tree().Blob().data() == blob.bytes().data(), is_newest);
+    ExpectIsModelAfterChanges(*copy, model);
+    ExpectIsModelAfterChanges(*in_place, model);
   }
 }
 

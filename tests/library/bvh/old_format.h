@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "halfspace/halfspace.h"
-#include "tests/library/support/cases.h"
 
 namespace halfspace::testing {
 
@@ -58,14 +57,12 @@ inline std::vector<std::byte> AsFormat4(Span<const std::byte> blob) {
 }
 
 // Format 3 has codes behind the floats of the objects. Here they are 0.
-template <typename View>
-std::vector<std::byte> AsFormat3(Span<const std::byte> blob) {
-  constexpr std::size_t kPlanes =
-      (HasMaxima<View> ? 2 : 1) * View::Bound::kAxes;
+inline std::vector<std::byte> AsFormat3(const detail::PlaneLayout& layout,
+                                        Span<const std::byte> blob) {
   std::vector<std::byte> bytes = AsFormat4(blob);
   std::uint32_t room = 0;
   std::memcpy(&room, &bytes[32], sizeof(room));
-  const std::size_t values = (room + 63) / 64 * 64 * kPlanes;
+  const std::size_t values = (room + 63) / 64 * 64 * layout.plane_count;
   bytes.insert(bytes.begin() + 128 + values * sizeof(float),
                values * sizeof(std::int16_t), std::byte{0});
   const std::uint32_t version = 3;

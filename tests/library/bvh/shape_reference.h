@@ -1,42 +1,29 @@
-// What the kernels of shapes compute for one bound, in scalars: the same
+// What the kernels of queries compute for one bound, in scalars: the same
 // operations in the same order.
 #ifndef HALFSPACE_TESTS_LIBRARY_BVH_SHAPE_REFERENCE_H_
 #define HALFSPACE_TESTS_LIBRARY_BVH_SHAPE_REFERENCE_H_
 
-#include <array>
+#include <algorithm>
 #include <cstddef>
-#include <limits>
+#include <cstring>
 #include <span>
 #include <vector>
 
 #include "halfspace/halfspace.h"
 #include "kernels/bvh/shape.h"
-#include "tests/library/support/cases.h"
+#include "tests/library/bvh/any_bvh.h"
 
 namespace halfspace::testing {
 
-// Plane p of a bound: all minima, then all maxima.
-template <typename View>
-using PlaneValues = std::array<float, kPlanes<View>>;
-
-template <typename View>
-PlaneValues<View> PlanesOf(typename View::Bound bound) {
-  PlaneValues<View> values;
-  for (std::size_t p = 0; p < values.size(); ++p) {
-    values[p] = StoredValue<View>(bound, p);
-  }
-  return values;
-}
-
-inline float SquaredDistanceOf(std::span<const float> planes,
-                               const detail::Ball& ball) {
+// Of a point or a box, whose corners are `low` and `high`.
+inline float SquaredDistanceOf(const Layout& layout, const Planes& planes,
+                               const float* low, const float* high) {
   float sum = 0;
-  for (std::size_t k = 0; k < ball.center.dims; ++k) {
-    float gap = planes[k] - ball.center.low[k];
+  for (std::size_t k = 0; k < layout.dims; ++k) {
+    float gap = planes[k] - high[k];
     if (!(gap > 0)) gap = 0;
-    if (ball.center.max_plane != 0) {
-      const float above =
-          ball.center.low[k] - planes[ball.center.max_plane + k];
+    if (layout.has_max) {
+      const float above = low[k] - planes[layout.first_max + k];
       if (above > gap) gap = above;
     }
     sum = sum + gap * gap;
@@ -44,16 +31,20 @@ inline float SquaredDistanceOf(std::span<const float> planes,
   return sum;
 }
 
-inline bool IsInReach(std::span<const float> planes, const detail::Ball& ball) {
-  if (SquaredDistanceOf(planes, ball) > ball.limit) return false;
+inline bool IsInReach(const Layout& layout, const Planes& planes,
+                      const detail::Ball& ball) {
+  const float* const center = ball.center.low;
+  if (SquaredDistanceOf(layout, planes, center, center) > ball.limit) {
+    return false;
+  }
   return ball.d_axis == 0 ||
          !(planes[ball.d_axis] > ball.d_max ||
-           (ball.center.max_plane != 0 &&
-            planes[ball.center.max_plane + ball.d_axis] < ball.d_min));
+           (layout.has_max &&
+            planes[layout.first_max + ball.d_axis] < ball.d_min));
 }
 
 // Infinite if the line does not enter.
-inline float EntryOf(std::span<const float> planes, const detail::Line& line) {
+inline float EntryOf(const Planes& planes, const detail::Line& line) {
   float enter = 0;
   float exit = line.max_t;
   for (std::size_t p = 0; p < line.planes; ++p) {
@@ -65,13 +56,10 @@ inline float EntryOf(std::span<const float> planes, const detail::Line& line) {
       exit = t;
     }
   }
-  return enter > exit + detail::kApartOnLine
-             ? std::numeric_limits<float>::infinity()
-             : enter;
+  return enter > exit + detail::kApartOnLine ? kInf : enter;
 }
 
-inline bool IsBehind(std::span<const float> planes,
-                     const detail::Front& front) {
+inline bool IsBehind(const Planes& planes, const detail::Front& front) {
   float sum = front.offset;
   for (std::size_t t = 0; t < front.terms; ++t) {
     const float value = planes[front.term[t].plane];
@@ -82,84 +70,86 @@ inline bool IsBehind(std::span<const float> planes,
   return sum < 0;
 }
 
+// Of an octahedron, the planes that a query of this layout is compared with.
 template <int kDims>
-detail::Line LineOf(const detail::PlaneLayout& planes,
-                    const Capsule<kDims>& capsule) {
-  double origin[3] = {};
-  double direction[3] = {};
-  for (std::size_t k = 0; k < kDims; ++k) {
-    origin[k] = capsule.a[k];
-    direction[k] = double{capsule.b[k]} - capsule.a[k];
+Planes QueryPlanesOf(const Layout& layout, const Aabo<kDims>& bound) {
+  Planes planes{};
+  for (std::size_t p = 0; p < layout.plane_count; ++p) {
+    planes[p] = IsMin(layout, p) ? bound.max[p] : bound.min[p - layout.axes];
   }
-  detail::Line line;
-  detail::MakeLine(planes, origin, origin, direction, 1, capsule.radius, line);
-  return line;
+  return planes;
 }
 
-template <typename View, int kDims>
-detail::Ball BallOf(const Sphere<kDims>& sphere) {
-  detail::Ball ball;
-  detail::MakeBall(detail::kLayoutOf<typename View::Bound>,
-                   sphere.center.data(), sphere.radius, ball);
-  return ball;
-}
-
-// Whether a walk takes a shape for its bound: a builder cannot bound it, or its
-// radius is too large to be squared, or no axis limits its line.
-template <typename View, std::size_t kDims>
-bool IsBound(const std::array<float, kDims>&) {
-  return true;
-}
-template <typename View, int kDims>
-bool IsBound(const Sphere<kDims>& sphere) {
-  return BoundSphere(sphere) == Aabo<kDims>::Everything() ||
-         BallOf<View>(sphere).limit == std::numeric_limits<float>::infinity();
-}
-template <typename View, int kDims>
-bool IsBound(const Capsule<kDims>& capsule) {
-  return BoundCapsule(capsule) == Aabo<kDims>::Everything() ||
-         LineOf(detail::kLayoutOf<typename View::Bound>, capsule).planes == 0;
-}
-template <typename View, int kDims>
-bool IsBound(const Segment<kDims>& segment) {
-  return IsBound<View>(Capsule<kDims>{segment.a, segment.b, 0});
-}
-
-// Whether the test of the shape keeps a bound.
-template <typename View, std::size_t kDims>
-bool IsTouched(const typename View::Bound&, const std::array<float, kDims>&) {
-  return true;
-}
-template <typename View, int kDims>
-bool IsTouched(const typename View::Bound& bound, const Sphere<kDims>& sphere) {
-  return IsBound<View>(sphere) ||
-         IsInReach(PlanesOf<View>(bound), BallOf<View>(sphere));
-}
-template <typename View, int kDims>
-bool IsTouched(const typename View::Bound& bound,
-               const Capsule<kDims>& capsule) {
-  return IsBound<View>(capsule) ||
-         EntryOf(PlanesOf<View>(bound),
-                 LineOf(detail::kLayoutOf<typename View::Bound>, capsule)) <= 1;
-}
-template <typename View, int kDims>
-bool IsTouched(const typename View::Bound& bound,
-               const Segment<kDims>& segment) {
-  return IsTouched<View>(bound, Capsule<kDims>{segment.a, segment.b, 0});
-}
-template <typename View, int kDims>
-bool IsTouched(const typename View::Bound& bound,
-               const std::vector<HalfSpace<kDims>>& half_spaces) {
-  for (const HalfSpace<kDims>& half_space : half_spaces) {
-    if (IsBehind(
-            PlanesOf<View>(bound),
-            detail::MakeFront(detail::kLayoutOf<typename View::Bound>,
-                              half_space.normal.data(), half_space.offset))) {
-      return false;
+// The test of one shape, except of an oriented box.
+class ShapeReference {
+ public:
+  ShapeReference(const Layout& layout, const Shape& shape)
+      : layout_(layout), bound_(AllPlanes(layout, kInf)) {
+    if (shape.kind == Shape::kBound) {
+      std::copy_n(shape.numbers.begin(), layout.plane_count, bound_.begin());
+    } else if (layout.dims == 2) {
+      Make<2>(shape);
+    } else {
+      Make<3>(shape);
     }
   }
-  return true;
-}
+
+  bool Keeps(const Planes& planes) const {
+    for (std::size_t p = 0; p < layout_.plane_count; ++p) {
+      if (IsMin(layout_, p) ? planes[p] > bound_[p] : planes[p] < bound_[p]) {
+        return false;
+      }
+    }
+    return (!has_ball_ || IsInReach(layout_, planes, ball_)) &&
+           (!has_line_ || EntryOf(planes, line_) <= 1) &&
+           std::none_of(fronts_.begin(), fronts_.end(), [&](const auto& front) {
+             return IsBehind(planes, front);
+           });
+  }
+
+ private:
+  // A walk takes a shape for its bound if a builder cannot bound it, if its
+  // radius is too large to be squared, or if no axis limits its line.
+  template <int kDims>
+  void Make(const Shape& shape) {
+    const float* const n = shape.numbers.data();
+    if (shape.kind == Shape::kHalfSpaces) {
+      for (std::size_t i = 0; i < shape.numbers.size(); i += kDims + 1) {
+        fronts_.push_back(detail::MakeFront(layout_, n + i, n[i + kDims]));
+      }
+    } else if (shape.kind == Shape::kPoint || shape.kind == Shape::kSphere) {
+      Sphere<kDims> sphere{};
+      std::copy_n(n, shape.numbers.size(), &sphere.center[0]);
+      detail::MakeBall(layout_, n, sphere.radius, ball_);
+      const Aabo<kDims> bound = BoundSphere(sphere);
+      has_ball_ = shape.kind == Shape::kSphere &&
+                  bound != Aabo<kDims>::Everything() && ball_.limit != kInf;
+      if (!has_ball_) bound_ = QueryPlanesOf(layout_, bound);
+    } else {
+      Capsule<kDims> capsule{};
+      std::memcpy(&capsule, n, shape.numbers.size() * sizeof(float));
+      double origin[3] = {};
+      double direction[3] = {};
+      for (std::size_t k = 0; k < kDims; ++k) {
+        origin[k] = capsule.a[k];
+        direction[k] = double{capsule.b[k]} - capsule.a[k];
+      }
+      detail::MakeLine(layout_, origin, origin, direction, 1, capsule.radius,
+                       line_);
+      has_line_ = BoundCapsule(capsule) != Aabo<kDims>::Everything() &&
+                  line_.planes > 0;
+      if (!has_line_) bound_ = AllPlanes(layout_, kMost);
+    }
+  }
+
+  Layout layout_;
+  Planes bound_;  // that the shape's must touch as well
+  bool has_ball_ = false;
+  bool has_line_ = false;
+  detail::Ball ball_{};
+  detail::Line line_{};
+  std::vector<detail::Front> fronts_;
+};
 
 }  // namespace halfspace::testing
 

@@ -9,9 +9,11 @@
 #include <vector>
 
 #include "halfspace/halfspace.h"
-#include "tests/library/end_to_end/fast_math_samples.h"
-#include "tests/library/fit/every_builder.h"
 #include "tests/library/support/environment.h"
+
+// The calls of builders, which fast_math_test.cc makes.
+#define HALFSPACE_COMPILED_AS fast_math
+#include "tests/library/fit/build.cc"  // NOLINT(bugprone-suspicious-include)
 
 #if !defined(__FAST_MATH__)
 #error "compile this file with -ffast-math"
@@ -51,25 +53,6 @@ TEST(FastMathCallerTest, BoundsAreRoundedOutward) {
             std::bit_cast<std::uint32_t>(-0x1.000002p0f));
   EXPECT_EQ(std::bit_cast<std::uint32_t>(bound.max[2]),
             std::bit_cast<std::uint32_t>(-1.f));
-}
-
-// The bounds that a usual caller gets are held against exact arithmetic
-// elsewhere.
-template <int kDims>
-void ExpectUsualBits() {
-  for (std::size_t i = 0; i < FastMathSamples(); ++i) {
-    const Bits bits =
-        BitsOfEveryBound(FastMathSample<kDims>(i), TargetsUnderTest());
-    ASSERT_EQ(bits, ExpectedBits<kDims>(i)) << kDims << "D, sample " << i;
-  }
-}
-
-TEST(FastMathCallerTest, EveryBuilderGivesTheUsualBits) {
-  ExpectUsualBits<3>();
-#if !defined(HALFSPACE_TEST_ONLY_3D)
-  ExpectUsualBits<2>();
-  ExpectUsualBits<4>();
-#endif
 }
 
 TEST(FastMathCallerTest, NanCannotBeBounded) {

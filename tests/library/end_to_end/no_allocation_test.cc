@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "halfspace/halfspace.h"
-#include "tests/library/fit/every_builder.h"
-#include "tests/library/fit/random_every_shape.h"
+#include "tests/library/fit/builders.h"
+#include "tests/library/fit/random_shapes.h"
+#include "tests/library/fit_many/bulk.h"
 #include "tests/library/support/calls.h"
 #include "tests/library/support/cases.h"
-#include "tests/library/support/dims.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/limited_memory.h"
 #include "tests/library/support/quantized_cases.h"
@@ -49,15 +49,34 @@ void VisitCalls(const AnyWorld& world, const AnyQueries& queries,
   }
 }
 
-template <typename Dims>
-class NoAllocationTest : public ::testing::Test {};
-TYPED_TEST_SUITE(NoAllocationTest, AllDims, DimsNames);
-
-TYPED_TEST(NoAllocationTest, Builders) {
+TEST(NoAllocationTest, Builders) {
   Random random(61);
-  for (PointKind kind : kPointKinds) {
-    const auto shape = RandomEveryShape<TypeParam::value>(kind, random);
-    VisitEveryBuilder(shape, TargetsUnderTest(), kWithoutMemory);
+  for (const Builder& builder : BuildersAndChanges()) {
+    for (PointKind kind : kPointKinds) {
+      const Shape shape = RandomShape(builder, kind, random);
+      kWithoutMemory([&] { return builder.Build(shape); });
+    }
+  }
+}
+
+TEST(NoAllocationTest, BuildersOfMany) {
+  Random random(62);
+  for (const Bulk& bulk : Bulks()) {
+    const Shape shape = RandomShape(bulk.single(), PointKind::kUniform, random);
+    const auto* const numbers = shape.doubles.data();
+    const std::vector<double> one(numbers,
+                                  numbers + bulk.single().roles.size());
+    const BulkShapes shapes(70, one);
+    Arena arena;
+    BulkSource source(bulk, shapes);
+    for (BulkLayout layout : kBulkLayouts) {
+      source.Place(arena, layout);
+      const BulkOutput built(bulk, shapes.size(), arena);
+      for (Target target : TargetsUnderTest()) {
+        kWithoutMemory(
+            [&] { return source.Bound(built.output(), {.target = target}); });
+      }
+    }
   }
 }
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "halfspace/shapes.h"
+#include "tests/library/fit/exact_shapes.h"
 #include "tests/library/support/exact.h"
-#include "tests/library/support/exact_hull.h"
 
 namespace halfspace::testing {
 
@@ -44,8 +44,8 @@ class ExactFrustum {
   bool IsEmpty() const { return corners_.empty(); }
   bool IsOpen() const { return is_open_; }
 
-  ExactHull<3> Hull() const {
-    ExactHull<3> hull;
+  ExactHull Hull() const {
+    ExactHull hull(3);
     for (const auto& corner : corners_) hull.AddPoint(corner);
     return hull;
   }
@@ -99,16 +99,15 @@ class ExactFrustum {
       if (height < 0) return;
     }
     is_open_ |= std::max({i, j, k}) >= planes_.size() - 6;
-    ExactPoint<3> corner;
+    ExactPoint corner;
     for (std::size_t n = 0; n < 3; ++n) {
-      corner[n] = mpq_class(point[n], point[3]);
-      corner[n].canonicalize();
+      corner.emplace_back(point[n], point[3]).canonicalize();
     }
     corners_.push_back(corner);
   }
 
   std::vector<Four> planes_;  // the last six: the box
-  std::vector<ExactPoint<3>> corners_;
+  std::vector<ExactPoint> corners_;
   bool is_open_ = false;
 };
 

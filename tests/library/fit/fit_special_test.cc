@@ -1,323 +1,257 @@
-// Shapes that floats cannot bound become Everything(), and are counted.
+// Shapes and bounds that floats cannot bound become Everything(), and are
+// counted. Nothing becomes Empty().
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <type_traits>
 #include <vector>
 
 #include "halfspace/fit.h"
-#include "tests/library/support/dims.h"
+#include "tests/library/fit/builders.h"
 
 namespace halfspace::testing {
 namespace {
 
-// The numbers of a shape, in order.
-template <typename Shape, typename Scalar>
-using Numbers = std::array<Scalar, sizeof(Shape) / sizeof(Scalar)>;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-template <typename Scalar>
-struct Bad {
-  static constexpr Scalar kNan = std::numeric_limits<Scalar>::quiet_NaN();
-  static constexpr Scalar kInfinity = std::numeric_limits<Scalar>::infinity();
-  static constexpr Scalar kMost = std::numeric_limits<Scalar>::max();
-  static Scalar TooLarge() { return std::nextafter(Scalar{0x1p125}, kMost); }
-
-  static std::vector<Scalar> Lengths() {
-    return {kInfinity, kMost, TooLarge()};
-  }
-  static std::vector<Scalar> Coordinates() {
-    std::vector<Scalar> all = {kNan, -kNan};
-    for (Scalar length : Lengths()) all.insert(all.end(), {length, -length});
-    return all;
-  }
-};
-
-// Puts a bad value in place of each of the numbers first .. end - 1 of a shape
-// that is all ones. call(shape, status) must give Everything().
-template <typename Shape, typename Scalar, typename Call>
-void ExpectEverything(std::size_t first, std::size_t end,
-                      const std::vector<Scalar>& bad_values, Call call) {
-  using All = Numbers<Shape, Scalar>;
-  static_assert(sizeof(All) == sizeof(Shape));
-  All numbers;
-  numbers.fill(1);
-  FitStatus status;
-  auto good = call(std::bit_cast<Shape>(numbers), &status);
-  using Bound = decltype(good);
-  ASSERT_NE(good, Bound::Everything());
-  ASSERT_LE(end, numbers.size());
-  std::size_t calls = 1;
-  for (std::size_t i = first; i < end; ++i) {
-    for (Scalar bad : bad_values) {
-      numbers[i] = bad;
-      EXPECT_EQ(call(std::bit_cast<Shape>(numbers), &status),
-                Bound::Everything())
-          << bad << " as number " << i;
-      ++calls;
+// With any of these as number i, the result is Everything().
+std::vector<double> BadValues(const Builder& builder, std::size_t i) {
+  const bool is_double = builder.IsDouble(i);
+  const double most = is_double ? std::numeric_limits<double>::max()
+                                : std::numeric_limits<float>::max();
+  const auto above = [&](double value) {
+    return is_double ? std::nextafter(value, most)
+                     : std::nextafter(static_cast<float>(value),
+                                      static_cast<float>(most));
+  };
+  const Role role = builder.roles[i];
+  if (role == Role::kPlane) return {kNan, kInfinity, -kInfinity};
+  if (builder.kind == Kind::kChange) {
+    const std::size_t first = builder.first_argument();
+    if (i >= first && builder.change != Change::kMerge) {
+      if (role != Role::kCoordinate) return {kInfinity, most};
+      return {kNan, kInfinity, -kInfinity, most, -most};
     }
-    numbers[i] = 1;
+    // Also what is unbounded on the wrong side.
+    std::vector<double> bad = {kNan,
+                               -kNan,
+                               kInfinity,
+                               -kInfinity,
+                               most,
+                               above(0x1p126),
+                               -above(0x1p126),
+                               -std::nextafter(static_cast<float>(most), 0.f)};
+    if (builder.roles[i % first] == Role::kMaximum) {
+      for (double& value : bad) value = -value;
+    }
+    return bad;
   }
-  EXPECT_EQ(status.results, calls);
-  EXPECT_EQ(status.everything, calls - 1);
-  EXPECT_EQ(status.first_everything, 1u);
+  std::vector<double> bad = {kInfinity, most, above(0x1p125)};
+  if (is_double) bad.push_back(1e300);
+  if (role == Role::kMinimum) {
+    for (double& value : bad) value = -value;
+  }
+  if (role == Role::kCoordinate) {
+    for (std::size_t n = bad.size(); n > 0; --n) bad.push_back(-bad[n - 1]);
+  }
+  if (role != Role::kLength) bad.insert(bad.end(), {kNan, -kNan});
+  return bad;
 }
 
-template <typename Dims>
-class FitSpecialTest : public ::testing::Test {
+class FitSpecialTest : public ::testing::TestWithParam<Builder> {
  protected:
-  static inline const auto kCoordinates = Bad<float>::Coordinates();
-  static inline const auto kLengths = Bad<float>::Lengths();
+  // Of a box or a bound: this for minima, and its opposite for maxima.
+  static Shape ShapeOf(double minimum) {
+    Shape shape = ShapeOfOnes(GetParam());
+    for (std::size_t i = 0; i < GetParam().roles.size(); ++i) {
+      const Role role = BoundRole(i);
+      if (role == Role::kMinimum) shape.Set(i, minimum);
+      if (role == Role::kMaximum) shape.Set(i, -minimum);
+    }
+    return shape;
+  }
+
+  // The other bound of Merge() has roles too.
+  static Role BoundRole(std::size_t i) {
+    const Builder& builder = GetParam();
+    const bool is_merge =
+        builder.kind == Kind::kChange && builder.change == Change::kMerge;
+    return builder.roles[is_merge ? i % builder.first_argument() : i];
+  }
+
+  // What engines initialise boxes to.
+  static double Untouched() {
+    return GetParam().is_double ? std::numeric_limits<double>::max()
+                                : std::numeric_limits<float>::max();
+  }
+
+  static void ExpectAll(const Shape& shape, const Planes& expected,
+                        std::size_t everything) {
+    FitStatus status;
+    EXPECT_EQ(GetParam().Build(shape, &status), expected);
+    EXPECT_EQ(status.results, GetParam().results());
+    EXPECT_EQ(status.everything, everything);
+  }
 };
-TYPED_TEST_SUITE(FitSpecialTest, AllDims, DimsNames);
 
-TYPED_TEST(FitSpecialTest, PointSegmentTriangle) {
-  constexpr int kDims = TypeParam::value;
-  ExpectEverything<Point<kDims>>(0, kDims, this->kCoordinates,
-                                 BoundPoint<kDims>);
-  ExpectEverything<Segment<kDims>>(0, 2 * kDims, this->kCoordinates,
-                                   BoundSegment<kDims>);
-  ExpectEverything<Triangle<kDims>>(0, 3 * kDims, this->kCoordinates,
-                                    BoundTriangle<kDims>);
+TEST_P(FitSpecialTest, NumbersThatCannotBeBounded) {
+  const Builder& builder = GetParam();
+  const Planes everything = builder.Everything();
+  Shape shape = ShapeOfOnes(builder);
+  FitStatus status;
+  ASSERT_NE(builder.Build(shape, &status), everything);
+  for (std::size_t i = 0; i < builder.roles.size(); ++i) {
+    const double one = shape.doubles[i];
+    for (double bad : BadValues(builder, i)) {
+      const std::size_t before = status.everything;
+      shape.Set(i, bad);
+      EXPECT_EQ(builder.Build(shape, &status), everything)
+          << bad << " as number " << i;
+      EXPECT_EQ(status.everything, before + builder.results());
+    }
+    shape.Set(i, one);
+  }
+  EXPECT_EQ(status.results, builder.results() + status.everything);
+  EXPECT_EQ(status.first_everything, builder.results());
 }
 
-// 1e300 is finite, and no float bounds it.
-TYPED_TEST(FitSpecialTest, Doubles) {
-  constexpr int kDims = TypeParam::value;
-  auto bad = Bad<double>::Coordinates();
-  bad.push_back(1e300);
-  ExpectEverything<Point<kDims, double>>(
-      0, kDims, bad, [](const auto& point, FitStatus* status) {
-        return BoundPoints(Points<kDims, double>{point.data(), 1}, status);
-      });
-  ExpectEverything<Sphere<kDims, double>>(
-      0, kDims, bad, [](const auto& sphere, FitStatus* status) {
-        return BoundSphere(sphere, status);
-      });
-  ExpectEverything<Sphere<kDims, double>>(
-      kDims, kDims + 1, Bad<double>::Lengths(),
-      [](const auto& sphere, FitStatus* status) {
-        return BoundSphere(sphere, status);
-      });
-  ExpectEverything<Point<kDims, double>>(0, kDims, bad,
-                                         BoundPoint<kDims, double>);
-  ExpectEverything<Segment<kDims, double>>(0, 2 * kDims, bad,
-                                           BoundSegment<kDims, double>);
-  ExpectEverything<Triangle<kDims, double>>(0, 3 * kDims, bad,
-                                            BoundTriangle<kDims, double>);
-  ExpectEverything<Ray<kDims, double>>(0, 2 * kDims, bad,
-                                       BoundRay<kDims, double>);
-  ExpectEverything<Capsule<kDims, double>>(0, 2 * kDims, bad,
-                                           BoundCapsule<kDims, double>);
-  ExpectEverything<OrientedBox<kDims, double>>(0, kDims + kDims * kDims, bad,
-                                               BoundOrientedBox<kDims, double>);
-  ExpectEverything<Affine<kDims, double>>(
-      0, kDims * (kDims + 1), bad, [](const auto& map, FitStatus* status) {
-        Aabb<kDims> box;
-        box.min.fill(1.f);
-        box.max.fill(1.f);
-        const Points<kDims> points{box.min.data(), 1};
-        EXPECT_EQ(BoundTransformed(points, map),
-                  BoundTransformed(box, map, status));
-        return BoundTransformed(points, map);
-      });
+TEST_P(FitSpecialTest, EmptyAndEverythingStay) {
+  const Builder& builder = GetParam();
+  if (std::find(builder.roles.begin(), builder.roles.end(), Role::kMinimum) ==
+          builder.roles.end() &&
+      builder.part != Part::kDown) {
+    return;
+  }
+  for (double minimum : {kInfinity, Untouched()}) {
+    ExpectAll(ShapeOf(minimum), builder.Empty(), 0);
+    // Of nothing there is nothing to change.
+    Shape shape = ShapeOf(minimum);
+    if (builder.kind != Kind::kChange || builder.change == Change::kMerge) {
+      continue;
+    }
+    for (std::size_t i = builder.first_argument(); i < builder.roles.size();
+         ++i) {
+      shape.Set(i, kInfinity);
+    }
+    ExpectAll(shape, builder.Empty(), 0);
+  }
+  ExpectAll(ShapeOf(-Untouched()), builder.Everything(), 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(, FitSpecialTest,
+                         ::testing::ValuesIn(BuildersAndChanges()),
+                         BuilderNames());
+
+// Calls, how many of them gave Everything(), and which was the first of those.
+using Counts = std::array<std::size_t, 3>;
+Counts CountsOf(const FitStatus& status) {
+  return {status.results, status.everything, status.first_everything};
+}
+
+TEST(FitLimitTest, StatusCountsCallsAndNamesTheFirst) {
+  const Aabb3 box{{0, 0, 0}, {1, 1, 1}};
+  FitStatus status;
+  BoundPoint<3>({1, 1, 1}, &status);
+  BoundAabb(box, &status);
+  EXPECT_EQ(CountsOf(status), (Counts{2, 0, 0}));
+  BoundPoint<3>({1, detail::kInf<float>, 1}, &status);
+  BoundPoint<3>({1, 1, 1}, &status);
+  BoundAabb(Aabb3::Everything(), &status);
+  EXPECT_EQ(CountsOf(status), (Counts{5, 2, 2}));
+}
+
+TEST(FitLimitTest, NoPoints) {
+  FitStatus status;
+  const float unread = detail::kInf<float>;
+  EXPECT_EQ(BoundPoints<3>({nullptr, 0}, &status), Aabo3::Empty());
+  EXPECT_EQ(BoundPoints(PointsSoa3{}, &status), Aabo3::Empty());
+  EXPECT_EQ(BoundPoints(Points<3, double>{}, &status), Aabo3::Empty());
+  EXPECT_EQ(BoundPoints(Points3{&unread, 7}, {}, &status), Aabo3::Empty());
+  EXPECT_EQ(BoundPoints(PointsSoa3{{}, 7}, {}, &status), Aabo3::Empty());
+  EXPECT_EQ(BoundTransformed(Points3{}, Affine3{}, &status), Aabo3::Empty());
+  BoundSegmentPieces(Segment3{}, {}, &status);
+  EXPECT_EQ(CountsOf(status), (Counts{6, 0, 0}));
+}
+
+// The naive sum of 2e38, 2e38 and -3e38 overflows, or is a NaN.
+TEST(FitLimitTest, SumOfMagnitudesIsWhatIsLimited) {
+  const Aabo3 bound = BoundPoint<3>({0x1p124f, -0x1p124f, 0});
+  EXPECT_EQ(bound.min[3], 0.f);
+  EXPECT_EQ(bound.max[3], 0.f);
+  // Two ulps: the sum is taken in the precision of the input, and rounds.
+  EXPECT_EQ(BoundPoint<3>({0x1p124f, -0x1.000004p124f, 0}),
+            Aabo3::Everything());
+  EXPECT_EQ(BoundPoint<3>({2e38f, -2e38f, 0}), Aabo3::Everything());
   // What is not told from the products: it may come to anything.
-  Affine<kDims, double> map{};
-  map.linear[0][0] = std::nextafter(0x1p900, Bad<double>::kMost);
-  EXPECT_EQ(BoundTransformed(Aabb<kDims>{}, map), Aabo<kDims>::Everything());
-  const std::vector<double> up = {1e300, Bad<double>::kInfinity,
-                                  Bad<double>::kNan};
-  ExpectEverything<Box<kDims, double>>(kDims, 2 * kDims, up,
-                                       [](const auto& box, FitStatus* status) {
-                                         return BoundAabb(box, status);
-                                       });
-}
-
-TYPED_TEST(FitSpecialTest, Spheres) {
-  constexpr std::size_t kDims = TypeParam::value;
-  const auto sphere = [](const auto& shape, FitStatus* status) {
-    return BoundSphere(shape, status);
-  };
-  ExpectEverything<Sphere<kDims>>(0, kDims, this->kCoordinates, sphere);
-  ExpectEverything<Sphere<kDims>>(kDims, kDims + 1, this->kLengths, sphere);
-  const auto capsule = [](const auto& shape, FitStatus* status) {
-    return BoundCapsule(shape, status);
-  };
-  ExpectEverything<Capsule<kDims>>(0, 2 * kDims, this->kCoordinates, capsule);
-  ExpectEverything<Capsule<kDims>>(2 * kDims, 2 * kDims + 1, this->kLengths,
-                                   capsule);
-}
-
-// Where a direction or an axis is scaled by 1, what is too large stays so.
-TYPED_TEST(FitSpecialTest, RaysAndOrientedBoxes) {
-  constexpr std::size_t kDims = TypeParam::value;
-  const auto ray = [](const auto& shape, FitStatus* status) {
-    return BoundRay(shape, status);
-  };
-  ExpectEverything<Ray<kDims>>(0, 2 * kDims, this->kCoordinates, ray);
-  ExpectEverything<Ray<kDims>>(2 * kDims, 2 * kDims + 1, this->kLengths, ray);
-  const auto box = [](const auto& shape, FitStatus* status) {
-    return BoundOrientedBox(shape, status);
-  };
-  constexpr std::size_t kHalves = kDims + kDims * kDims;
-  ExpectEverything<OrientedBox<kDims>>(0, kHalves, this->kCoordinates, box);
-  ExpectEverything<OrientedBox<kDims>>(kHalves, kHalves + kDims, this->kLengths,
-                                       box);
+  Affine<3, double> map{};
+  map.linear[0][0] = std::nextafter(0x1p900, kInfinity);
+  EXPECT_EQ(BoundTransformed(Aabb3{}, map), Aabo3::Everything());
 }
 
 // Infinitely far along no direction, as many times as one likes of nothing: no
 // number says what that is.
-TYPED_TEST(FitSpecialTest, InfinityTimesZero) {
-  constexpr int kDims = TypeParam::value;
-  constexpr float kInfinity = Bad<float>::kInfinity;
-  EXPECT_EQ(BoundRay<kDims>({{}, {}, kInfinity}), Aabo<kDims>::Everything());
-  OrientedBox<kDims> box{};
-  box.half_extents[0] = kInfinity;
-  EXPECT_EQ(BoundOrientedBox(box), Aabo<kDims>::Everything());
-  Affine<kDims> map{};
-  map.linear[0][0] = kInfinity;
-  const Point<kDims> origin{};
-  EXPECT_EQ(BoundTransformed(Points<kDims>{origin.data(), 1}, map),
-            Aabo<kDims>::Everything());
-  EXPECT_EQ(BoundTransformed(Aabb<kDims>{}, map), Aabo<kDims>::Everything());
+TEST(FitLimitTest, InfinityTimesZero) {
+  constexpr float kInf = detail::kInf<float>;
+  EXPECT_EQ(BoundRay<3>({{}, {}, kInf}), Aabo3::Everything());
+  EXPECT_EQ(BoundOrientedBox(OrientedBox3{{}, {}, {kInf, 0, 0}}),
+            Aabo3::Everything());
+  Affine3 map{};
+  map.linear[0][0] = kInf;
+  const Point3 origin{};
+  EXPECT_EQ(BoundTransformed(Points3{origin.data(), 1}, map),
+            Aabo3::Everything());
+  EXPECT_EQ(BoundTransformed(Aabb3{}, map), Aabo3::Everything());
 }
 
-TYPED_TEST(FitSpecialTest, AffineImages) {
-  constexpr std::size_t kDims = TypeParam::value;
-  const auto of_points = [](const auto& map, FitStatus* status) {
-    Point<kDims> point;
-    point.fill(1.f);
-    return BoundTransformed(Points<kDims>{point.data(), 1}, map, status);
-  };
-  ExpectEverything<Affine<kDims>>(0, kDims * (kDims + 1), this->kCoordinates,
-                                  of_points);
-  const auto of_box = [](const auto& map, FitStatus* status) {
-    Aabb<kDims> box;
-    box.min.fill(1.f);
-    box.max.fill(1.f);
-    return BoundTransformed(box, map, status);
-  };
-  ExpectEverything<Affine<kDims>>(0, kDims * (kDims + 1), this->kCoordinates,
-                                  of_box);
-  const auto of_bad_point = [](const auto& point, FitStatus* status) {
-    Affine<kDims> map;
-    for (auto& row : map.linear) row.fill(1.f);
-    map.translation.fill(0.f);
-    return BoundTransformed(Points<kDims>{point.data(), 1}, map, status);
-  };
-  ExpectEverything<Point<kDims>>(0, kDims, this->kCoordinates, of_bad_point);
-}
-
-TYPED_TEST(FitSpecialTest, EachPieceIsCounted) {
-  constexpr int kDims = TypeParam::value;
-  Segment<kDims> segment{};
-  std::vector<Aabo<kDims>> pieces(5, Aabo<kDims>::Empty());
-  FitStatus status;
-  BoundSegmentPieces<kDims>(segment, pieces, &status);
-  EXPECT_EQ(status.results, 5u);
-  EXPECT_EQ(status.everything, 0u);
-  segment.b[kDims - 1] = Bad<float>::kNan;
-  BoundSegmentPieces<kDims>(segment, pieces, &status);
-  for (const auto& piece : pieces) {
-    EXPECT_EQ(piece, Aabo<kDims>::Everything());
-  }
-  EXPECT_EQ(status.results, 10u);
-  EXPECT_EQ(status.everything, 5u);
-  EXPECT_EQ(status.first_everything, 5u);
-  BoundSegmentPieces<kDims>(segment, {}, &status);
-  EXPECT_EQ(status.results, 10u);
-}
-
-TYPED_TEST(FitSpecialTest, NothingGivesEmpty) {
-  constexpr int kDims = TypeParam::value;
-  constexpr auto kEmpty = Aabo<kDims>::Empty();
-  constexpr float kInfinity = Bad<float>::kInfinity;
-  FitStatus status;
-  EXPECT_EQ(BoundPoints(PointsSoa<kDims>{}, &status), kEmpty);
-  EXPECT_EQ(BoundPoints(Points<kDims, double>{}, &status), kEmpty);
-  const float unread = Bad<float>::kNan;
-  EXPECT_EQ(BoundPoints(Points<kDims>{&unread, 7}, {}, &status), kEmpty);
-  EXPECT_EQ(BoundPoints(PointsSoa<kDims>{{}, 7}, {}, &status), kEmpty);
-  EXPECT_EQ(BoundTransformed(Points<kDims>{}, Affine<kDims>{}, &status),
-            kEmpty);
-  EXPECT_EQ(BoundTransformed(Aabb<kDims>::Empty(), Affine<kDims>{}, &status),
-            kEmpty);
-  Box<kDims, double> box;
-  box.min.fill(kInfinity);
-  box.max.fill(-kInfinity);
-  EXPECT_EQ(BoundAabb(box, &status), kEmpty);
-  // As engines initialise boxes.
-  box.min.fill(Bad<double>::kMost);
-  box.max.fill(-Bad<double>::kMost);
-  EXPECT_EQ(BoundAabb(box, &status), kEmpty);
-  Aabb<kDims> untouched;
-  untouched.min.fill(Bad<float>::kMost);
-  untouched.max.fill(-Bad<float>::kMost);
-  EXPECT_EQ(BoundAabb(untouched, &status), kEmpty);
-  EXPECT_EQ(BoundTransformed(untouched, Affine<kDims>{}, &status), kEmpty);
-  EXPECT_EQ(status.results, 10u);
-  EXPECT_EQ(status.everything, 0u);
-}
-
-TEST(FitFrustumSpecialTest, NumbersThatAreNotFiniteGiveEverything) {
-  using Planes = std::array<HalfSpace3, 6>;
-  constexpr Planes kCube = {{{{1, 0, 0}, 1},
-                             {{-1, 0, 0}, 1},
-                             {{0, 1, 0}, 1},
-                             {{0, -1, 0}, 1},
-                             {{0, 0, 1}, 1},
-                             {{0, 0, -1}, 1}}};
-  using All = Numbers<Planes, float>;
-  const std::vector<float> bad_values = {
-      Bad<float>::kNan, Bad<float>::kInfinity, -Bad<float>::kInfinity};
-  FitStatus status;
-  for (std::size_t i = 0; i < std::tuple_size_v<All>; ++i) {
-    for (float bad : bad_values) {
-      auto numbers = std::bit_cast<All>(kCube);
-      numbers[i] = bad;
-      EXPECT_EQ(BoundFrustum(std::bit_cast<Planes>(numbers), &status),
-                Aabo3::Everything());
+// Although every piece but the last one would be small enough.
+TEST(FitLimitTest, OfEachPieceIsThatOfTheSegment) {
+  std::array<Aabo3, 4> pieces;
+  for (const float far : {0x1p125f, 0x1.000002p125f}) {
+    for (const Segment3& segment :
+         {Segment3{{0, 0, 0}, {0, 0, far}}, Segment3{{0, 0, far}, {0, 0, 0}}}) {
+      FitStatus status;
+      BoundSegmentPieces(segment, pieces, &status);
+      EXPECT_EQ(CountsOf(status), (Counts{4, far == 0x1p125f ? 0u : 4u, 0u}));
     }
   }
-  EXPECT_EQ(status.everything, status.results);
-  // Corners too far away; and as far as can be bounded.
-  Planes cube = kCube;
-  cube[0].offset = 0x1.8p125f;
-  EXPECT_EQ(BoundFrustum(cube), Aabo3::Everything());
-  cube[0].offset = 0x1p124f;
-  EXPECT_EQ(BoundFrustum(cube).min[0], -0x1p124f);
 }
 
-TEST(FitFrustumSpecialTest, DoublesFarApart) {
-  std::array<HalfSpace<3, double>, 6> cube = {{{{1, 0, 0}, 1},
-                                               {{-1, 0, 0}, 1},
-                                               {{0, 1, 0}, 1},
-                                               {{0, -1, 0}, 1},
-                                               {{0, 0, 1}, 1},
-                                               {{0, 0, -1}, 1}}};
-  constexpr double kInfinity = Bad<double>::kInfinity;
-  EXPECT_EQ(BoundFrustum(cube).max[0], 1.f);
-  // So long a normal, so short a normal.
-  cube[1] = {{-0x1p1023, 0, 0}, 0x1p1023};
-  cube[2] = {{0, 0x1p-1074, 0}, 0x1p-1074};
-  EXPECT_EQ(BoundFrustum(cube).max[0], 1.f);
-  EXPECT_EQ(BoundFrustum(cube).min[1], -1.f);
-  cube[1] = {{-1, 0x1p-200, 0}, 1};
-  EXPECT_EQ(BoundFrustum(cube).max[0], 0x1.000002p0f);
-  for (double bad : {0x1p-201, Bad<double>::kNan, kInfinity, -kInfinity}) {
-    cube[1].normal[1] = bad;
-    EXPECT_EQ(BoundFrustum(cube), Aabo3::Everything()) << bad;
+// The largest values in a plane are bounded, and one float farther they are
+// not. A plane without a bound keeps to itself.
+TEST_P(FitSpecialTest, PlanesOfBoundsAtTheLimit) {
+  const Builder& builder = GetParam();
+  if (builder.kind != Kind::kChange) return;
+  for (std::size_t p = 0; p < builder.first_argument(); ++p) {
+    const double sign = builder.roles[p] == Role::kMinimum ? -1 : 1;
+    for (double limit : {0x1p126, double{std::numeric_limits<float>::max()}}) {
+      Shape shape;
+      shape.Set(p, sign * limit);
+      const std::size_t argument = builder.first_argument();
+      if (builder.change == Change::kScale) shape.Set(argument, 1);
+      if (builder.change >= Change::kTranslateVertices &&
+          builder.change != Change::kScale &&
+          builder.change != Change::kSweep) {
+        // Other planes give way, or are farther than the limit.
+        if (limit == 0x1p126) continue;
+        EXPECT_NE(builder.Build(shape), builder.Everything()) << p;
+        continue;
+      }
+      Planes expected{};
+      expected[p] = static_cast<float>(sign * limit);
+      EXPECT_EQ(builder.Build(shape), expected) << p << ", " << limit;
+      if (builder.change == Change::kScale) shape.Set(argument, 0x1.000002p0);
+      if (builder.change == Change::kInflate ||
+          builder.change == Change::kInflateByBox) {
+        shape.Set(argument, 0x1p103);
+      }
+      if (shape.doubles[argument] == 0 || limit != 0x1p126) continue;
+      EXPECT_EQ(builder.Build(shape), builder.Everything()) << p;
+    }
   }
-  cube[1] = {{-1, 0, 0}, 0x1p201};
-  EXPECT_EQ(BoundFrustum(cube), Aabo3::Everything());
-  // In front of it everywhere, and behind it everywhere.
-  cube[1] = {{-1, 0, 0}, 1};
-  cube[5] = {{0, 0, -1}, 1};
-  cube[0].offset = -0x1p-200;
-  EXPECT_EQ(BoundFrustum(cube).min[0], 0.f);
 }
 
 }  // namespace

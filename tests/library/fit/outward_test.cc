@@ -12,10 +12,9 @@
 #include <type_traits>
 
 #include "dispatch/exact/exact_terms.h"
+#include "tests/library/fit/random_shapes.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/exact.h"
-#include "tests/library/support/points.h"
-#include "tests/library/support/random_shapes.h"
 
 namespace halfspace::dispatch {
 namespace {
@@ -55,7 +54,8 @@ TYPED_TEST(OutwardTest, SumsAreExactAndRoundOutward) {
   for (testing::PointKind kind : testing::kPointKinds) {
     SCOPED_TRACE(NameOf(kind));
     for (std::size_t i = 0; i < testing::Scaled(50'000); ++i) {
-      const auto point = testing::RandomPoint<kTerms>(kind, random);
+      std::array<float, kTerms> point;
+      testing::RandomFloats<float>(kind, random, point);
       std::array<double, kTerms> values;
       std::copy(point.begin(), point.end(), values.begin());
       const mpq_class exact = testing::ExactSumOf(point);

@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "halfspace/halfspace.h"
-#include "tests/library/bvh/separated.h"
+#include "tests/library/bvh/history.h"
 #include "tests/library/bvh/spread.h"
 #include "tests/library/support/counting_memory.h"
 #include "tests/library/support/environment.h"
@@ -80,114 +80,6 @@ void ExpectIs(const PairEvents& events, const PairSet& before,
   ASSERT_EQ(ListOf(events.ended()), Missing(before, now));
 }
 
-// A world that changes in every way, its bounds by id, and the ids that changed
-// since they were last taken.
-template <typename View>
-class ChangingWorld {
- public:
-  using Bound = typename View::Bound;
-
-  ChangingWorld(std::size_t size, std::uint64_t seed)
-      : random_(seed), small_(4.0f, seed), large_(30.0f, seed) {
-    for (std::size_t i = 0; i < size; ++i) Insert();
-  }
-
-  void Change() {
-    switch (random_() % 12) {
-      case 0:
-        for (std::size_t i = random_() % 30; i > 0; --i) Insert();
-        return;
-      case 1:
-      case 2:
-        for (std::size_t i = random_() % 20; i > 0 && !bounds_.empty(); --i) {
-          const std::uint32_t id = AnyId();
-          bvh_.Erase(id);
-          bounds_.erase(id);
-          changed_.push_back(id);
-        }
-        return;
-      case 3:
-        return bvh_.Rebuild();
-      case 4:
-        std::ignore = bvh_.RebuildPartial(random_() % 300);
-        return;
-      case 5: {  // all
-        for (auto& [id, bound] : bounds_) Move(id);
-        std::vector<Bound> by_id(bvh_.id_limit());
-        for (const auto& [id, bound] : bounds_) by_id[id] = bound;
-        return bvh_.Refit(by_id);
-      }
-      case 6:  // told, and not changed
-        if (!bounds_.empty()) changed_.push_back(AnyId());
-        return;
-      case 7:
-        if (random_() % 8 != 0) return;
-        for (const auto& [id, bound] : bounds_) changed_.push_back(id);
-        bounds_.clear();
-        return bvh_.Clear();
-      default:
-        for (std::size_t i = random_() % 40; i > 0 && !bounds_.empty(); --i) {
-          const std::uint32_t id = AnyId();
-          Move(id);
-          bvh_.Set(id, bounds_[id]);
-        }
-        return;
-    }
-  }
-
-  PairSet Pairs() const {
-    PairSet pairs;
-    for (auto a = bounds_.begin(); a != bounds_.end(); ++a) {
-      for (auto b = std::next(a); b != bounds_.end(); ++b) {
-        if (!AreSeparated(a->second, b->second)) {
-          pairs.emplace(a->first, b->first);
-        }
-      }
-    }
-    return pairs;
-  }
-
-  const Bvh<View>& bvh() const { return bvh_; }
-  // In any order, some twice, and some that no object ever had.
-  Ids TakeChanged() {
-    Ids ids = std::exchange(changed_, {});
-    for (std::uint32_t id : {7u, 5000u, 0xFFFFFFFFu}) {
-      if (random_() % 3 == 0) ids.push_back(id);
-    }
-    std::shuffle(ids.begin(), ids.end(), random_);
-    return ids;
-  }
-
- private:
-  Bound NextBound() {
-    const auto chance = random_() % 64;
-    if (chance == 0) return Bound::Empty();
-    return chance < 4 ? large_.NextObject() : small_.NextObject();
-  }
-  std::uint32_t AnyId() {
-    return std::next(bounds_.begin(),
-                     static_cast<std::ptrdiff_t>(random_() % bounds_.size()))
-        ->first;
-  }
-  void Insert() {
-    const Bound bound = NextBound();
-    const std::uint32_t id = bvh_.Insert(bound);
-    bounds_[id] = bound;
-    changed_.push_back(id);
-  }
-  void Move(std::uint32_t id) {
-    bounds_[id] = NextBound();
-    changed_.push_back(id);
-  }
-
-  Random random_;
-  Spread<View> small_;
-  Spread<View> large_;
-  Bvh<View> bvh_;
-  std::map<std::uint32_t, Bound> bounds_;
-  Ids changed_;
-};
-
 TEST(PairEventsKnownTest, AreThoseOfTheHeader) {
   std::vector<Aabb3> boxes;
   for (std::uint32_t i = 0; i < 12; ++i) {
@@ -216,42 +108,45 @@ TEST(PairEventsKnownTest, AreThoseOfTheHeader) {
   EXPECT_EQ(Sorted(events.pairs()), (PairVector{{2, 7}, {5, 11}}));
 }
 
-template <typename Case>
-class PairEventsTest : public ::testing::Test {};
-using EventCases = Tested<::testing::Types<Whole<AabbView2>, Whole<AabbView3>,
-                                           Whole<AaboView2>, Whole<AaboView3>>>;
-TYPED_TEST_SUITE(PairEventsTest, EventCases, CaseNames);
+class PairEventsTest : public ::testing::TestWithParam<Layout> {};
+INSTANTIATE_TEST_SUITE_P(Of, PairEventsTest,
+                         ::testing::ValuesIn(LayoutsOf(true)), LayoutName());
 
 // One is told of all pairs or of some, as it comes; one always of all; one is
 // a copy of the first, and one is loaded with its pairs, before each step.
-TYPED_TEST(PairEventsTest, AreTheDifferenceOfAllPairs) {
+TEST_P(PairEventsTest, AreTheDifferenceOfAllPairs) {
   Random random(1);
   for (std::uint64_t seed = 0; seed < Scaled(12); ++seed) {
-    const std::array<std::size_t, 4> sizes = {0, 40, 150, 400};
-    ChangingWorld<typename TypeParam::View> world(sizes[seed % 4], seed);
+    constexpr std::size_t kSizes[] = {0, 40, 150, 400};
+    RandomChoices choices(GetParam(), seed);
+    BvhHistory history(GetParam(), choices, kSizes[seed % 4], 40,
+                       FpMode::kDefault);
     PairEvents mixed;
     PairEvents all;
     PairSet before;
     for (int step = 0; step < 40; ++step) {
-      for (std::size_t i = random() % 4; i > 0; --i) world.Change();
+      for (std::size_t i = random() % 4; i > 0; --i) history.Change();
       PairEvents copy = mixed;
       PairVector pairs = ListOf(mixed.pairs());
       std::shuffle(pairs.begin(), pairs.end(), random);
       PairEvents loaded;
       loaded.Load(pairs);
-      const PairSet now = world.Pairs();
-      const Ids changed = world.TakeChanged();
-      all.Update(world.bvh());
+      const auto list = PairsIn(GetParam(), history.objects());
+      const PairSet now(list.begin(), list.end());
+      // In any order, some twice, and some that no object ever had.
+      Ids ids = history.TakeChanged();
+      for (std::uint32_t id : {7u, 5000u, 0xFFFFFFFFu}) {
+        if (random() % 3 == 0) ids.push_back(id);
+      }
+      std::shuffle(ids.begin(), ids.end(), random);
+      const Span<const std::uint32_t> changed = ids;
+      history.bvh().Update(all, nullptr, {});
       for (PairEvents* events : {&mixed, &copy, &loaded}) {
-        if (step % 5 == 4) {
-          events->Update(world.bvh());
-        } else {
-          events->Update(world.bvh(), changed);
-        }
+        history.bvh().Update(*events, step % 5 == 4 ? nullptr : &changed, {});
       }
       for (const PairEvents* events : {&mixed, &all, &copy, &loaded}) {
         ExpectIs(*events, before, now);
-        if (this->HasFatalFailure()) FAIL() << "seed " << seed << ' ' << step;
+        if (HasFailure()) FAIL() << "seed " << seed << ' ' << step;
       }
       before = now;
     }

@@ -19,7 +19,7 @@
 namespace halfspace::testing {
 namespace {
 
-using detail::Way;
+using detail::ScanKernel;
 
 template <typename Bound>
 Bound RandomBound(std::mt19937& random, float half_size) {
@@ -35,25 +35,25 @@ Bound RandomBound(std::mt19937& random, float half_size) {
   return bound;
 }
 
-std::vector<std::uint64_t> WordsOf(const detail::Scan& scan, Way way,
+std::vector<std::uint64_t> WordsOf(const detail::Scan& scan, ScanKernel kernel,
                                    std::size_t size) {
   // One word more, which no kernel may touch.
   std::vector<std::uint64_t> words(MaskWords(size) + 1, 0x5555);
-  const detail::Part part{.first_query = 0,
-                          .query_count = 1,
-                          .queries = scan.queries,
-                          .begin = scan.begin,
-                          .end = scan.begin + size,
-                          .rows = words.data(),
-                          .stride = 0};
-  scan.kernels->run[way](scan, part);
+  const detail::Chunk chunk{.first_query = 0,
+                            .query_count = 1,
+                            .queries = scan.queries,
+                            .begin = scan.begin,
+                            .end = scan.begin + size,
+                            .rows = words.data(),
+                            .stride = 0};
+  scan.kernels->run[kernel](scan, chunk);
   return words;
 }
 
 // Objects from `begin` on, so that planes are aligned or not.
 template <typename View>
-void Compare(Way flat, Way streaming, std::size_t begin, std::size_t size,
-             float half_size) {
+void Compare(ScanKernel flat, ScanKernel streaming, std::size_t begin,
+             std::size_t size, float half_size) {
   using Bound = typename View::Bound;
   std::mt19937 random(static_cast<unsigned>(size));
   World<View> world;
@@ -84,7 +84,7 @@ void Compare(Way flat, Way streaming, std::size_t begin, std::size_t size,
 }
 
 template <typename View>
-void CompareSizes(Way flat, Way streaming) {
+void CompareSizes(ScanKernel flat, ScanKernel streaming) {
   // Whole pages, parts of one, and tiles of 4096 objects; with and without
   // tail.
   for (std::size_t size : {1u, 64u, 1024u, 1088u, 4096u, 9000u}) {
@@ -98,24 +98,26 @@ void CompareSizes(Way flat, Way streaming) {
 }
 
 template <typename... Cases>
-void CompareAll(Way flat, Way streaming, ::testing::Types<Cases...>) {
+void CompareAll(ScanKernel flat, ScanKernel streaming,
+                ::testing::Types<Cases...>) {
   (CompareSizes<typename Cases::View>(flat, streaming), ...);
 }
 
 TEST(Streaming, TestsMinimaLikeTheFlatKernel) {
   using Cases = ::testing::Types<Whole<SimplexView2>, Whole<SimplexView3>>;
-  CompareAll(Way::kMinima, Way::kMinimaStreaming, Tested<Cases>());
+  CompareAll(ScanKernel::kMinima, ScanKernel::kMinimaStreaming,
+             Tested<Cases>());
 }
 
 TEST(Streaming, TestsAllPlanesLikeTheFlatKernel) {
   using Cases = ::testing::Types<Whole<AabbView2>, Whole<AabbView3>,
                                  Whole<AabbView<3, double>>>;
-  CompareAll(Way::kAll, Way::kAllStreaming, Tested<Cases>());
+  CompareAll(ScanKernel::kAll, ScanKernel::kAllStreaming, Tested<Cases>());
 }
 
 TEST(Streaming, TestsBySimplexLikeTheFlatKernel) {
   using Cases = ::testing::Types<Whole<AaboView2>, Whole<AaboView3>>;
-  CompareAll(Way::kAll, Way::kBySimplex, Tested<Cases>());
+  CompareAll(ScanKernel::kAll, ScanKernel::kBySimplex, Tested<Cases>());
 }
 
 // A world of regions, each with its density of survivors: kAdaptive goes up and

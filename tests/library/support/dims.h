@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 namespace halfspace::testing {
 
@@ -18,6 +20,15 @@ using AllDims = ::testing::Types<DimsConstant<3>>;
 using AllDims =
     ::testing::Types<DimsConstant<2>, DimsConstant<3>, DimsConstant<4>>;
 #endif
+
+// The same, for loops.
+inline std::vector<std::size_t> TestDims() {
+#if defined(HALFSPACE_TEST_ONLY_3D)
+  return {3};
+#else
+  return {2, 3, 4};
+#endif
+}
 
 struct DimsNames {
   template <typename Dims>

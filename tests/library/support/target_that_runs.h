@@ -17,7 +17,7 @@ inline Target TargetThatRuns(const AnyWorld& world, const AnyQueries& query,
   static_cast<void>(
       detail::CountSurvivors(static_cast<detail::Scan&&>(scan), options));
   // The kernel says which target it was compiled for: no queries, no objects.
-  detail::Part nothing{};
+  detail::Chunk nothing{};
   nothing.queries = query.records;
   return Target::FromHighwayBit(
       scan.kernels->run[scan.type->flat](scan, nothing));

@@ -1,0 +1,119 @@
+// The loops of the paper's experiments, which are compiled for each target as
+// the library's kernels are.
+//
+// Planes are in the kernels' order, all minima, then all maxima; so are the
+// values of a query. Masks are of `size` objects, a multiple of 64.
+#ifndef HALFSPACE_BENCH_PAPER_LOOPS_H_
+#define HALFSPACE_BENCH_PAPER_LOOPS_H_
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "bench/base/shape.h"
+#include "bench/worlds/working_set.h"
+#include "halfspace/targets.h"
+
+namespace halfspace::bench {
+
+// One half-space test.
+struct Plane {
+  std::size_t object;  // index of the stored plane
+  std::size_t query;   // index of the query's value
+  bool is_min;         // rejects if object > query; else if object < query
+};
+
+// The order of the paper: the planes of a box axis by axis, those of an
+// octahedron simplex by simplex.
+inline constexpr std::array<Plane, 4> kSimplexOrder = {
+    {{0, 0, true}, {1, 1, true}, {2, 2, true}, {3, 3, true}}};
+inline constexpr std::array<Plane, 6> kAabbOrder = {{{0, 3, true},
+                                                     {3, 0, false},
+                                                     {1, 4, true},
+                                                     {4, 1, false},
+                                                     {2, 5, true},
+                                                     {5, 2, false}}};
+inline constexpr std::array<Plane, 8> kAaboOrder = {{{0, 4, true},
+                                                     {1, 5, true},
+                                                     {2, 6, true},
+                                                     {3, 7, true},
+                                                     {4, 0, false},
+                                                     {5, 1, false},
+                                                     {6, 2, false},
+                                                     {7, 3, false}}};
+// A flat box, with its minima first.
+inline constexpr std::array<Plane, 6> kFlatAabbOrder = {
+    {kAabbOrder[0], kAabbOrder[2], kAabbOrder[4], kAabbOrder[1], kAabbOrder[3],
+     kAabbOrder[5]}};
+
+// A constant: no std::array function may be called from per-target code.
+template <const auto& kOrder, std::size_t kIndex>
+inline constexpr Plane kPlaneOf = kOrder[kIndex];
+
+// The paper's schedule: after every half-space, a batch of `width` objects that
+// are all rejected skips the rest. `width` is a power of two from the target's
+// lane count to kWidestGate, `size` a multiple of kWidestGate. Writes the
+// reject mask.
+inline constexpr std::size_t kWidestGate = kSetStep;
+using GatedScan = void (*)(ShapeKind shape, std::size_t width,
+                           const float* const* planes, const float* query,
+                           std::size_t size, std::uint64_t* mask);
+
+// All half-spaces at once, or the same work in groups of 16 objects: after each
+// stage of one or two planes, a group without a survivor skips the rest.
+enum class Way : std::size_t {
+  kFlat,
+  kBranches,  // a group after the other, with a branch after each stage
+  kLists,     // a stage after the other. The groups that are left are listed,
+              // without a branch
+};
+constexpr const char* NameOf(Way way) {
+  constexpr const char* kNames[] = {"flat", "branches", "lists"};
+  return kNames[static_cast<std::size_t>(way)];
+}
+
+// Of a box or a simplex. `planes_of_stage` is 1 or 2. Writes the reject mask.
+using StagedScan = void (*)(ShapeKind shape, Way way,
+                            std::size_t planes_of_stage,
+                            const float* const* planes, const float* query,
+                            std::size_t size, std::uint64_t* mask);
+
+// Spheres: planes and query are x, y, z, radius, aligned to 64 bytes. Rejects
+// by the squared distance of the centers. Writes the survivor mask.
+using SphereScan = void (*)(const float* const* planes, const float* query,
+                            std::size_t size, std::uint64_t* mask);
+
+inline constexpr std::array<std::size_t, 4> kWidths = {1, 4, 8, 16};
+
+struct PaperLoops {
+  GatedScan gated = nullptr;
+  SphereScan spheres = nullptr;
+  // With vectors of kWidths lanes. Null if the target's vectors are shorter, or
+  // if their length is not known.
+  std::array<StagedScan, kWidths.size()> staged = {};
+
+  // With the whole vectors of the target; null if their length is not known.
+  StagedScan widest() const {
+    for (std::size_t i = kWidths.size(); i-- > 0;) {
+      if (staged[i] != nullptr) return staged[i];
+    }
+    return nullptr;
+  }
+};
+
+// Of a supported target.
+PaperLoops PaperLoopsFor(Target target);
+
+// A case of the paper's schedule.
+inline Case GatedCase(WorkingSet& set, std::string name, ShapeKind shape,
+                      Target target, std::size_t width) {
+  return set.LoopCase(std::move(name), shape,
+                      [gated = PaperLoopsFor(target).gated, shape,
+                       width](auto... of) { gated(shape, width, of...); });
+}
+
+}  // namespace halfspace::bench
+
+#endif  // HALFSPACE_BENCH_PAPER_LOOPS_H_

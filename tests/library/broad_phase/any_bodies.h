@@ -1,0 +1,136 @@
+// Broad phases after their types are gone, and a list of their bodies, which
+// knows their answers.
+#ifndef HALFSPACE_TESTS_LIBRARY_BROAD_PHASE_ANY_BODIES_H_
+#define HALFSPACE_TESTS_LIBRARY_BROAD_PHASE_ANY_BODIES_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "tests/library/bvh/answers.h"
+
+namespace halfspace::testing {
+
+class AnyBodies : public Searches {
+ public:
+  using Searches::Searches;
+
+  virtual bool Has(std::uint32_t id) const = 0;
+  virtual Planes Get(std::uint32_t id) const = 0;
+  virtual BodyMasks MasksOf(std::uint32_t id) const = 0;
+  virtual Planes Bounds() const = 0;
+  virtual std::size_t id_limit() const = 0;
+  virtual bool Validate() const = 0;
+  virtual BroadPhaseStatistics Statistics() const = 0;
+  virtual Span<const IdPair> pairs() const = 0;
+  virtual Span<const IdPair> began() const = 0;
+  virtual Span<const IdPair> ended() const = 0;
+  virtual std::vector<std::byte> Save() const = 0;
+  virtual std::unique_ptr<AnyBodies> Copy() const = 0;
+
+  virtual void Insert(const Ids& ids, const std::vector<Planes>& bounds,
+                      const std::vector<BodyMasks>& masks) = 0;
+  virtual void Erase(const Ids& ids) = 0;
+  virtual void Move(const Ids& ids, const std::vector<Planes>& bounds) = 0;
+  virtual void SetMasks(const Ids& ids,
+                        const std::vector<BodyMasks>& masks) = 0;
+  virtual void Update(const UpdateOptions& options) = 0;
+  virtual void Rebuild(const Runner& run) = 0;
+  virtual void UpdatePairs(const Runner& run) = 0;
+  virtual void Load(const std::vector<std::byte>& bytes) = 0;
+};
+
+// Not of simplices.
+std::unique_ptr<AnyBodies> MakeBodies(const Layout& layout,
+                                      const BroadPhaseOptions& options = {});
+
+// In the order of the list.
+PairList PairsFrom(Span<const IdPair> pairs);
+
+// The bytes of Save().
+std::vector<std::byte> BytesOf(const AabbBroadPhase3& bodies);
+
+struct BodyModel {
+  struct Body {
+    Planes bound;
+    BodyMasks masks;
+    Planes seen;  // by queries
+  };
+  Layout layout{3, 3, true};
+  std::map<std::uint32_t, Body> bodies;
+  bool moves_wait = false;
+  bool (*keep)(void*, std::uint32_t, std::uint32_t, bool) = nullptr;
+
+  void Insert(std::uint32_t id, const Planes& bound,
+              const BodyMasks& masks = {}) {
+    bodies[id] = {bound, masks, bound};
+  }
+  void Move(std::uint32_t id, const Planes& bound) {
+    Body& body = bodies.at(id);
+    body.bound = bound;
+    if (!moves_wait) body.seen = bound;
+  }
+  void Update() {
+    for (auto& [id, body] : bodies) body.seen = body.bound;
+  }
+  Objects Seen() const;
+  // Those of UpdatePairs(), after Update().
+  PairList Pairs() const;
+};
+
+inline Planes PlanesOf(const Aabb3& box) {
+  return {box.min[0], box.min[1], box.min[2],
+          box.max[0], box.max[1], box.max[2]};
+}
+inline Aabb3 BoxOf(const Planes& planes) {
+  return {{planes[0], planes[1], planes[2]}, {planes[3], planes[4], planes[5]}};
+}
+
+// A filter: some pairs in spite of their masks, and some not.
+inline bool KeepsSome(void* /*context*/, std::uint32_t a, std::uint32_t b,
+                      bool masks_match) {
+  return (a + b) % 8 == 0 ? !masks_match : masks_match;
+}
+
+// Answers of all kinds, chosen by a seed, and what is stored of each body.
+void ExpectAnswers(const AnyBodies& bodies, const BodyModel& model,
+                   std::uint64_t seed);
+void ExpectAnswers(const AabbBroadPhase3& bodies, const BodyModel& model,
+                   std::uint64_t seed);
+// With the calls that run alone.
+void ExpectIsModel(const AabbBroadPhase3& bodies, BodyModel& model,
+                   std::uint64_t seed);
+// Two broad phases answer the same, in the same order.
+void ExpectSameOrder(const AnyBodies& a, const AnyBodies& b,
+                     std::uint64_t seed);
+
+// The pairs that the events of UpdatePairs() add up to.
+class PairsByEvents {
+ public:
+  template <typename View>
+  void Add(const BroadPhase<View>& bodies) {
+    for (const IdPair& pair : bodies.ended()) {
+      is_right_ &= pairs_.erase({pair.a, pair.b}) == 1;
+    }
+    for (const IdPair& pair : bodies.began()) {
+      is_right_ &= pairs_.emplace(pair.a, pair.b).second;
+    }
+  }
+
+  PairList pairs() const {
+    EXPECT_TRUE(is_right_) << "a pair began or ended twice";
+    return {pairs_.begin(), pairs_.end()};
+  }
+
+ private:
+  bool is_right_ = true;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> pairs_;
+};
+
+}  // namespace halfspace::testing
+
+#endif  // HALFSPACE_TESTS_LIBRARY_BROAD_PHASE_ANY_BODIES_H_

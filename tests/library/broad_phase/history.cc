@@ -1,0 +1,214 @@
+#include "tests/library/broad_phase/history.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <utility>
+#include <vector>
+
+namespace halfspace::testing {
+namespace {
+
+Ids Both(const Ids& a, const Ids& b) {
+  Ids both;
+  std::ranges::set_intersection(a, b, std::back_inserter(both));
+  return both;
+}
+Ids Either(const Ids& a, const Ids& b) {
+  Ids either;
+  std::ranges::set_union(a, b, std::back_inserter(either));
+  return either;
+}
+PairList Difference(const PairList& of, const PairList& without) {
+  PairList difference;
+  std::ranges::set_difference(of, without, std::back_inserter(difference));
+  return difference;
+}
+
+}  // namespace
+
+BodyHistory::BodyHistory(const Layout& layout, Choices& choices,
+                         std::size_t most_bodies, std::uint32_t stride,
+                         const BroadPhaseOptions& options, FpMode mode)
+    : choices_(choices),
+      most_bodies_(most_bodies),
+      stride_(stride),
+      mode_(mode) {
+  all_.push_back(MakeBodies(layout, options));
+  model_.layout = layout;
+  model_.moves_wait = options.moves_wait_for_update;
+  model_.keep = options.filter.keep;
+}
+
+void BodyHistory::Watch::Add(const Ids& found) {
+  always = Both(always, found);
+  ever = Either(ever, found);
+}
+
+void BodyHistory::Insert(std::size_t count) {
+  const Ids ids = Some(count, false);
+  const bool has_masks = choices_.Below(2) == 0;
+  std::vector<Planes> bounds;
+  std::vector<BodyMasks> masks;
+  for (const std::uint32_t id : ids) {
+    bounds.push_back(choices_.Next());
+    if (has_masks) masks.push_back(choices_.Masks());
+    model_.Insert(id, bounds.back(), has_masks ? masks.back() : BodyMasks());
+  }
+  Each([&](AnyBodies& bodies) { bodies.Insert(ids, bounds, masks); });
+}
+
+void BodyHistory::Move(std::size_t count) {
+  const Ids ids = Some(count, true);
+  std::vector<Planes> bounds;
+  for (const std::uint32_t id : ids) {
+    const Planes& before = model_.bodies.at(id).bound;
+    bounds.push_back(choices_.Below(4) == 0 ? before : choices_.Moved(before));
+    model_.Move(id, bounds.back());
+  }
+  Each([&](AnyBodies& bodies) { bodies.Move(ids, bounds); });
+  for (Watch* const watch : watches_) watch->Add(Found(*watch));
+}
+
+std::size_t BodyHistory::Change() {
+  const std::size_t what = choices_.Below(18);
+  const std::size_t count = choices_.Below(8) == 0
+                                ? choices_.Below(most_bodies_)
+                                : choices_.Below(20);
+  const auto backwards = [](std::size_t parts, const Runner::Part& part) {
+    while (parts-- > 0) part(parts);
+  };
+  if (what < 4) {
+    Insert(count);
+  } else if (what < 6) {
+    const Ids ids = Some(count, true);
+    for (const std::uint32_t id : ids) model_.bodies.erase(id);
+    Each([&](AnyBodies& bodies) { bodies.Erase(ids); });
+  } else if (what < 9) {
+    Move(2 * count);
+  } else if (what == 9) {
+    const Ids ids = Some(count, true);
+    std::vector<BodyMasks> masks;
+    for (const std::uint32_t id : ids) {
+      masks.push_back(choices_.Masks());
+      model_.bodies.at(id).masks = masks.back();
+    }
+    Each([&](AnyBodies& bodies) { bodies.SetMasks(ids, masks); });
+  } else if (what == 10) {
+    UpdateOptions update;
+    if (choices_.Below(2) == 0) {
+      update.budget = choices_.Below(2 * most_bodies_);
+    }
+    update.run = backwards;
+    model_.Update();
+    Each([&](AnyBodies& bodies) { bodies.Update(update); });
+  } else if (what == 11) {
+    model_.Update();
+    Each([&](AnyBodies& bodies) { bodies.Rebuild(backwards); });
+  } else if (what < 14) {
+    UpdatePairs();
+  } else if (what < 16) {  // From now on there is another one.
+    model_.Update();
+    all_.resize(1);
+    const std::vector<std::byte> bytes = bodies().Save();
+    all_.push_back(bodies().Copy());
+    if (what == 15) {
+      all_[1]->Load(bytes);
+      // Events are those of the next UpdatePairs() on.
+      UpdatePairs();
+    }
+  } else if (what == 16 && all_.size() > 1) {  // The copy goes on.
+    all_.erase(all_.begin());
+  } else {
+    QueryAndMove(choices_.Below(4));
+  }
+  return what;
+}
+
+void BodyHistory::ExpectIsModel(std::uint64_t seed) {
+  ExpectAnswers(bodies(), model_, seed);
+  for (std::size_t i = 1; i < all_.size(); ++i) {
+    ExpectSameOrder(bodies(), *all_[i], seed);
+  }
+  ASSERT_FALSE(bodies().Has(0xFFFFFFFF));
+  if (seed % 4 != 0) return;
+  for (std::uint32_t i = 0; i < most_bodies_; ++i) {
+    const std::uint32_t id = i * stride_;
+    ASSERT_EQ(bodies().Has(id), model_.bodies.contains(id)) << id;
+  }
+  Each([&](AnyBodies& some) {
+    ASSERT_TRUE(some.Validate());
+    ASSERT_EQ(some.Statistics().bodies, model_.bodies.size());
+    ASSERT_EQ(some.Statistics().pairs, pairs_.size());
+  });
+  model_.Update();  // Validate() copies moves into the tree
+}
+
+Ids BodyHistory::Found(const Watch& watch) const {
+  return KeptBy(model_.layout, model_.Seen(), watch.query, watch.options.mask);
+}
+
+// The events are the differences between the lists of pairs.
+void BodyHistory::UpdatePairs() {
+  model_.Update();
+  const PairList now = model_.Pairs();
+  Each([](AnyBodies& bodies) { bodies.UpdatePairs({}); });
+  PairList pairs = PairsFrom(bodies().pairs());
+  std::sort(pairs.begin(), pairs.end());
+  EXPECT_EQ(pairs, now);
+  EXPECT_EQ(PairsFrom(bodies().began()), Difference(now, pairs_));
+  EXPECT_EQ(PairsFrom(bodies().ended()), Difference(pairs_, now));
+  pairs_ = now;
+}
+
+// A query whose function moves bodies, sees that, and begins another query.
+void BodyHistory::QueryAndMove(std::size_t depth) {
+  Watch watch;
+  const Planes everything = AllPlanes(model_.layout, kMost);
+  watch.query = {Shape::kBound, {everything.begin(), everything.end()}};
+  if (choices_.Below(2) == 0) {
+    watch.query = Spheres(model_.layout, 40, choices_.Below(100)).NextQuery();
+  }
+  if (choices_.Below(4) == 0) watch.options.mask = 1;
+  watch.always = watch.ever = Found(watch);
+  watches_.push_back(&watch);
+  Ids found;
+  std::size_t calls = 0;
+  bodies().ForEach(
+      watch.query,
+      [&](Span<const std::uint32_t> some) {
+        found.insert(found.end(), some.begin(), some.end());
+        // Twice in the innermost: also between two parts of late bodies.
+        if (calls++ > (depth == 0 ? 1 : 0)) return Visit::kContinue;
+        Move(choices_.Below(2) == 0 ? 3 : choices_.Below(most_bodies_));
+        ExpectAnswers(bodies(), model_, choices_.Below(200));
+        if (depth > 0) QueryAndMove(depth - 1);
+        return Visit::kContinue;
+      },
+      watch.options);
+  watches_.pop_back();
+  const Ids ids = InOrder(found);
+  EXPECT_EQ(std::adjacent_find(ids.begin(), ids.end()), ids.end());
+  EXPECT_TRUE(std::ranges::includes(ids, watch.always));
+  EXPECT_TRUE(std::ranges::includes(watch.ever, ids));
+}
+
+// Up to `count` ids that are in use, some of them twice, or that are free.
+Ids BodyHistory::Some(std::size_t count, bool are_used) {
+  Ids ids;
+  std::vector<bool> is_listed(most_bodies_);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t number = choices_.Below(most_bodies_);
+    const auto id = static_cast<std::uint32_t>(number) * stride_;
+    if (model_.bodies.contains(id) != are_used) continue;
+    if (!are_used && is_listed[number]) continue;
+    is_listed[number] = true;
+    ids.push_back(id);
+  }
+  return ids;
+}
+
+}  // namespace halfspace::testing

@@ -1,0 +1,1017 @@
+#include "tests/library/bvh/answers.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "tests/library/bvh/shape_reference.h"
+#include "tests/library/support/environment.h"
+
+namespace halfspace::testing {
+namespace {
+
+bool HasMask(const Object& object, std::uint32_t mask) {
+  return ~mask == 0 || (object.masks & mask) != 0;
+}
+
+// A new BVH of the objects, with their ids.
+std::unique_ptr<AnyBvh> NewBvh(const Layout& layout, const Objects& objects) {
+  auto bvh = MakeBvh(layout, std::vector<Planes>());
+  Ids ids;
+  BoundList bounds;
+  for (const auto& [id, object] : objects) {
+    ids.push_back(id);
+    bounds.floats.push_back(object.bound);
+  }
+  bvh->InsertAs(ids, bounds);
+  for (const auto& [id, object] : objects) {
+    if (~object.masks != 0) bvh->SetMask(id, object.masks);
+  }
+  return bvh;
+}
+
+// Space for values between others that may not be written.
+template <typename T>
+class Guarded {
+ public:
+  Guarded(std::size_t size, T canary)
+      : canary_(canary), values_(size + 2 * kEach, canary) {}
+  std::span<T> span() {
+    return std::span(values_).subspan(kEach, values_.size() - 2 * kEach);
+  }
+  void ExpectIntact() const {
+    for (std::size_t i = 0; i < kEach; ++i) {
+      ASSERT_EQ(values_[i], canary_);
+      ASSERT_EQ(values_[values_.size() - 1 - i], canary_);
+    }
+  }
+
+ private:
+  static constexpr std::size_t kEach = 64;
+  T canary_;
+  std::vector<T> values_;
+};
+
+// find(values, skip) fills a span from its `skip`-th result on, and returns how
+// many there are: `total`. Returns what it finds with space for all. Behind the
+// last result it may write within the span.
+template <typename T, typename Find>
+std::vector<T> ExpectFills(std::size_t total, T canary, const Find& find) {
+  const auto part = [&](std::size_t skip, std::size_t room) {
+    Guarded<T> space(room, canary);
+    EXPECT_EQ(find(space.span(), skip), total);
+    space.ExpectIntact();
+    const std::size_t written = std::min(room, total - std::min(skip, total));
+    if (skip > total) {
+      EXPECT_EQ(std::count(space.span().begin(), space.span().end(), canary),
+                static_cast<std::ptrdiff_t>(room));
+    }
+    return std::vector<T>(
+        space.span().begin(),
+        space.span().begin() + static_cast<std::ptrdiff_t>(written));
+  };
+  const std::vector<T> all = part(0, total + 3);
+  const auto expect_part = [&](std::size_t skip, std::size_t room) {
+    const std::vector<T> some = part(skip, room);
+    if (all.size() != total || skip > total) return;
+    EXPECT_TRUE(std::equal(some.begin(), some.end(),
+                           all.begin() + static_cast<std::ptrdiff_t>(skip)));
+  };
+  expect_part(0, 0);
+  expect_part(0, total / 2);
+  expect_part(total / 3, 1 + total / 5);
+  expect_part(total - total / 7, 70);
+  expect_part(static_cast<std::size_t>(-1), 7);
+  return all;
+}
+
+}  // namespace
+
+PairList InOrder(Span<const IdPair> pairs, bool is_one_world) {
+  PairList sorted;
+  for (const IdPair& pair : pairs) {
+    sorted.emplace_back(pair.a, pair.b);
+    if (is_one_world && pair.a > pair.b) {
+      std::swap(sorted.back().first, sorted.back().second);
+    }
+  }
+  std::sort(sorted.begin(), sorted.end());
+  return sorted;
+}
+
+bool AreSeparated(const Layout& layout, const Planes& a, const Planes& b,
+                  float margin, double rounding) {
+  const auto size = [](float v) {
+    return std::isfinite(v) ? std::fabs(static_cast<double>(v)) : 0.0;
+  };
+  const auto is_beyond = [&](float x, float y, double limit) {
+    // Exact: if the difference rounds to the limit, its error decides.
+    const auto is_more = [](double high, double low, double by) {
+      const double difference = high - low;
+      if (difference != by) return difference > by;
+      const double part = difference - high;
+      return (high - (difference - part)) - (low + part) > 0;
+    };
+    if (margin == 0 || rounding == 0) return is_more(x, y, limit);
+    const double most = size(x) + size(y) + limit;
+    const double slack = most * rounding + 0x1p-125;
+    return is_more(x, y, limit + slack) &&
+           !(std::isinf(x - y) && most + slack > kMost);
+  };
+  for (std::size_t k = 0; k < layout.axes; ++k) {
+    const std::size_t max = layout.first_max + k;
+    const double limit = (k < layout.dims ? 1.0 : layout.dims) * margin;
+    if (is_beyond(a[k], b[max], limit) || is_beyond(b[k], a[max], limit)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+PairList PairsIn(const Layout& layout, const Objects& objects) {
+  PairList pairs;
+  for (auto a = objects.begin(); a != objects.end(); ++a) {
+    for (auto b = std::next(a); b != objects.end(); ++b) {
+      if (!AreSeparated(layout, a->second.bound, b->second.bound)) {
+        pairs.emplace_back(a->first, b->first);
+      }
+    }
+  }
+  return pairs;
+}
+
+Ids KeptBy(const Layout& layout, const Objects& objects, const Shape& shape,
+           std::uint32_t mask) {
+  const ShapeReference reference(layout, shape);
+  Ids ids;
+  for (const auto& [id, object] : objects) {
+    if (HasMask(object, mask) && reference.Keeps(object.bound)) {
+      ids.push_back(id);
+    }
+  }
+  return ids;
+}
+
+void ExpectFinds(const Searches& world, const Objects& objects,
+                 std::span<const Shape> shapes, const QueryOptions& options) {
+  constexpr std::uint32_t kCanary = 0xABABABAB;
+  std::unique_ptr<AnyBvh> other;
+  if (shapes[0].kind == Shape::kOrientedBox) {
+    other = NewBvh(world.layout, objects);
+  }
+  std::vector<Ids> expected;
+  std::vector<std::size_t> counts;
+  std::size_t total = 0;
+  for (const Shape& shape : shapes) {
+    Ids& ids = expected.emplace_back();
+    if (other != nullptr) {
+      ids.resize(other->Count(shape, {.mask = options.mask}));
+      (void)other->Find(shape, ids, {.mask = options.mask}, 0);
+      std::sort(ids.begin(), ids.end());
+    } else {
+      ids = KeptBy(world.layout, objects, shape, options.mask);
+    }
+    counts.push_back(ids.size());
+    total += ids.size();
+    const Ids found = ExpectFills<std::uint32_t>(
+        ids.size(), kCanary, [&](Span<std::uint32_t> space, std::size_t skip) {
+          return world.Find(shape, space, options, skip);
+        });
+    ASSERT_EQ(InOrder(found), ids) << "shape " << shape.kind;
+    ASSERT_EQ(world.Count(shape, options), ids.size());
+    const auto any = world.Any(shape, options);
+    ASSERT_EQ(any.has_value(), !ids.empty());
+    ASSERT_TRUE(!any || std::binary_search(ids.begin(), ids.end(), *any));
+    Ids visited;
+    std::size_t calls = 0;
+    const auto visit = [&](Span<const std::uint32_t> some) {
+      EXPECT_FALSE(some.empty());
+      visited.insert(visited.end(), some.begin(), some.end());
+      return ++calls % 3 == 2 ? Visit::kStop : Visit::kContinue;
+    };
+    world.ForEach(shape, visit, options);
+    ASSERT_LE(calls, 2u);
+    ASSERT_TRUE(calls == 2 || visited.size() == ids.size());
+    visited.clear();
+    world.ForEach(
+        shape,
+        [&](Span<const std::uint32_t> some) {
+          visited.insert(visited.end(), some.begin(), some.end());
+          return Visit::kContinue;
+        },
+        options);
+    ASSERT_EQ(InOrder(visited), ids);
+  }
+  std::vector<std::size_t> offsets(shapes.size() + 1);
+  Ids all = ExpectFills<std::uint32_t>(
+      total, kCanary, [&](Span<std::uint32_t> space, std::size_t skip) {
+        std::fill(offsets.begin(), offsets.end(), 99);
+        const std::size_t found =
+            world.FindEach(shapes, space, offsets, options, skip);
+        EXPECT_EQ(offsets.back(), found);
+        return found;
+      });
+  ASSERT_EQ(offsets[0], 0u);
+  for (std::size_t q = 0; q < shapes.size(); ++q) {
+    ASSERT_EQ(offsets[q + 1] - offsets[q], counts[q]) << q;
+    ASSERT_EQ(InOrder(std::span(all).subspan(offsets[q], counts[q])),
+              expected[q])
+        << q;
+  }
+  const auto* const bvh = dynamic_cast<const AnyBvh*>(&world);
+  if (bvh != nullptr && shapes[0].kind == Shape::kBound) {
+    std::vector<std::size_t> counted(shapes.size(), 99);
+    bvh->CountEach(shapes, counted, options);
+    ASSERT_EQ(counted, counts);
+  }
+}
+
+namespace {
+
+struct Near {
+  std::uint32_t id;
+  float squared;
+};
+
+// The squared distance up to which objects are found.
+float SquaredLimit(float distance) {
+  const double squared = double{distance} * distance;
+  return static_cast<float>(
+      std::min(squared * (1 + 0x1p-20) + 0x1p-148, double{kMost}));
+}
+
+std::vector<Near> NearestOf(const Layout& layout, const Objects& objects,
+                            const Place& place, float limit,
+                            std::uint32_t mask) {
+  std::vector<Near> nearest;
+  for (const auto& [id, object] : objects) {
+    const float squared =
+        SquaredDistanceOf(layout, object.bound, place.min.data(),
+                          place.is_point ? place.min.data() : place.max.data());
+    if (HasMask(object, mask) && squared <= SquaredLimit(limit)) {
+      nearest.push_back({id, squared});
+    }
+  }
+  std::stable_sort(
+      nearest.begin(), nearest.end(),
+      [](const Near& a, const Near& b) { return a.squared < b.squared; });
+  return nearest;
+}
+
+// Which of several objects at one distance comes first is the world's choice.
+void ExpectAreNearest(const std::vector<Near>& expected, const Ids& ids,
+                      const std::vector<float>& distances) {
+  ASSERT_LE(ids.size(), expected.size());
+  const Ids sorted = InOrder(ids);
+  ASSERT_TRUE(std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end());
+  // Each object is at the place of its distance.
+  Ids at_same;
+  for (std::size_t i = 0, end = 0; i < ids.size(); ++i) {
+    if (i == end) {
+      at_same.clear();
+      for (; end < expected.size() &&
+             expected[end].squared == expected[i].squared;
+           ++end) {
+        at_same.push_back(expected[end].id);
+      }
+    }
+    ASSERT_EQ(distances[i], std::sqrt(expected[i].squared)) << i;
+    ASSERT_TRUE(std::binary_search(at_same.begin(), at_same.end(), ids[i]))
+        << i;
+  }
+}
+
+}  // namespace
+
+void ExpectNearest(const Searches& world, const Objects& objects,
+                   const Place& place, float max_distance,
+                   const SearchOptions& options) {
+  const std::vector<Near> expected =
+      NearestOf(world.layout, objects, place, max_distance, options.mask);
+  // With and without distances: of more than 2048 ids alone, half are found at
+  // once.
+  for (std::size_t room : {1u, 8u, 63u, 64u, 700u, 3000u, 9000u}) {
+    Ids ids(room, 99);
+    std::vector<float> distances(room);
+    const std::size_t count =
+        world.Nearest(place, ids, distances, max_distance, options);
+    ASSERT_EQ(count, std::min(room, expected.size()));
+    Ids alone(room, 99);
+    ASSERT_EQ(world.Nearest(place, alone, {}, max_distance, options), count);
+    ASSERT_EQ(alone, ids);
+    ids.resize(count);
+    ExpectAreNearest(expected, ids, distances);
+    if (room > expected.size()) break;
+  }
+  const auto* const bvh = dynamic_cast<const AnyBvh*>(&world);
+  if (bvh == nullptr || ::testing::Test::HasFatalFailure()) return;
+  Place other = place;
+  for (float& x : other.min) x -= 1;
+  const Place places[] = {place, other, place};
+  for (std::size_t k : {0u, 1u, 9u, 2100u}) {
+    Ids ids(3 * k, 99);
+    std::vector<float> distances(ids.size());
+    bvh->NearestEach(places, k, ids, distances, max_distance, options);
+    Ids alone(ids.size());
+    bvh->NearestEach(places, k, alone, {}, max_distance, options);
+    ASSERT_EQ(alone, ids);
+    for (std::size_t q = 0; q < 3; ++q) {
+      const auto its = NearestOf(world.layout, objects, places[q], max_distance,
+                                 options.mask);
+      const std::size_t count = std::min(k, its.size());
+      for (std::size_t i = q * k + count; i < (q + 1) * k; ++i) {
+        ASSERT_EQ(ids[i], kNoId);
+        ASSERT_EQ(distances[i], kInf);
+      }
+      const auto row = static_cast<std::ptrdiff_t>(q * k);
+      const auto end = row + static_cast<std::ptrdiff_t>(count);
+      ExpectAreNearest(its, Ids(ids.begin() + row, ids.begin() + end),
+                       {distances.begin() + row, distances.begin() + end});
+    }
+    if (k > expected.size()) break;
+  }
+  if (!place.is_point) return;
+  // All, some, and up to a limit that shrinks.
+  for (std::size_t some : {std::size_t(-1), std::size_t{1}, std::size_t{30}}) {
+    for (bool shrinks : {false, true}) {
+      Ids ids;
+      std::vector<float> distances;
+      float limit = max_distance;
+      bvh->ForEachNearest(
+          place.min, max_distance,
+          [&](std::uint32_t id, float distance, const Planes& bound) {
+            EXPECT_TRUE(shrinks || std::equal(bound.begin(), bound.end(),
+                                              objects.at(id).bound.begin(),
+                                              [](float a, float b) {
+                                                return a == b ||
+                                                       (a != a && b != b);
+                                              }));
+            ids.push_back(id);
+            distances.push_back(distance);
+            if (!shrinks) return Limit{ids.size() < some ? kInf : -kInf};
+            limit = std::min(limit,
+                             ids.size() < some ? 2 * distance + 1 : distance);
+            return Limit{limit};
+          },
+          options);
+      ExpectAreNearest(expected, ids, distances);
+      if (::testing::Test::HasFatalFailure()) return;
+      const auto its = NearestOf(world.layout, objects, place,
+                                 shrinks ? limit : max_distance, options.mask);
+      if (shrinks) {
+        ASSERT_EQ(ids.size(), its.size());
+      } else {
+        ASSERT_EQ(ids.size(), std::min(some, its.size()));
+      }
+    }
+  }
+}
+
+void ExpectHits(const Searches& world, const Objects& objects,
+                const Motion& motion, const SearchOptions& options) {
+  std::map<std::uint32_t, float> expected;
+  if (motion.kind == Motion::kBall) {
+    NewBvh(world.layout, objects)
+        ->Cast(motion,
+               [&](std::uint32_t id, float t, const Planes&) {
+                 expected[id] = t;
+                 return Limit{kInf};
+               },
+               {.mask = options.mask, .target = TargetsUnderTest().front()});
+  } else {
+    double low[3] = {};
+    double high[3] = {};
+    double direction[3] = {};
+    const Place& place = motion.place;
+    bool is_inverted = false;
+    for (std::size_t k = 0; k < world.layout.dims; ++k) {
+      low[k] = place.min[k];
+      high[k] = place.is_point ? place.min[k] : place.max[k];
+      direction[k] = motion.direction[k];
+      is_inverted |= low[k] > high[k];
+    }
+    detail::Line line;
+    detail::MakeLine(world.layout, low, high, direction, motion.max_t,
+                     motion.kind == Motion::kRay ? motion.radius : 0, line);
+    line.max_t = std::min(line.max_t, kMost);
+    for (const auto& [id, object] : objects) {
+      const float t = EntryOf(object.bound, line);
+      if (!is_inverted && t <= kMost && HasMask(object, options.mask)) {
+        expected[id] = detail::ReportedTime(t);
+      }
+    }
+  }
+  float first = kInf;
+  for (const auto& [id, t] : expected) first = std::min(first, t);
+  // Without a limit, with that of the nearest, and with others of which some
+  // are farther than the last.
+  for (int how = 0; how < 3; ++how) {
+    std::map<std::uint32_t, float> found;
+    float limit = kInf;
+    world.Cast(
+        motion,
+        [&](std::uint32_t id, float t, const Planes& bound) {
+          EXPECT_TRUE(found.emplace(id, t).second) << id;
+          EXPECT_LE(t, limit + detail::kApartOnLine);
+          const auto object = objects.find(id);
+          EXPECT_TRUE(object != objects.end() &&
+                      std::equal(bound.begin(), bound.end(),
+                                 object->second.bound.begin(),
+                                 [](float a, float b) {
+                                   return a == b || (a != a && b != b);
+                                 }));
+          const float next = how == 0                ? kInf
+                             : how == 1              ? t
+                             : found.size() % 3 == 0 ? kInf
+                             : found.size() % 3 == 1 ? 2 * t
+                                                     : t;
+          limit = std::min(limit, next);
+          return Limit{next};
+        },
+        options);
+    for (const auto& [id, t] : expected) {
+      if (t <= limit) {
+        ASSERT_TRUE(found.contains(id)) << id << ", kind " << motion.kind;
+      }
+    }
+    for (const auto& [id, t] : found) {
+      ASSERT_TRUE(expected.contains(id)) << id << ", kind " << motion.kind;
+      ASSERT_EQ(t, expected.at(id)) << id;
+    }
+    if (how == 1) {
+      ASSERT_EQ(limit, first);
+    }
+  }
+  std::size_t calls = 0;
+  world.Cast(
+      motion,
+      [&](std::uint32_t, float, const Planes&) {
+        ++calls;
+        return Limit{-kInf};
+      },
+      options);
+  ASSERT_EQ(calls, expected.empty() ? 0u : 1u);
+}
+
+void ExpectPairs(const Searches& world, const Objects& objects,
+                 const PairsAsked& asked) {
+  const auto* const bvh = dynamic_cast<const AnyBvh*>(&world);
+  const bool is_one_world = asked.other == nullptr;
+  const Objects& others = is_one_world ? objects : *asked.others;
+  std::map<std::uint32_t, Ids> wanted;  // of each id
+  for (std::size_t i = 0; asked.ids != nullptr && i < asked.ids->size(); ++i) {
+    wanted[(*asked.ids)[i]].push_back(asked.wanted.empty() ? 0xFFFFFFFF
+                                                           : asked.wanted[i]);
+  }
+  struct Listed {
+    std::uint32_t id;
+    const Object* object;
+    const Ids* wanted;  // null if it is not in the set
+
+    bool Wants(const Object& other) const {
+      return wanted != nullptr && std::any_of(wanted->begin(), wanted->end(),
+                                              [&](std::uint32_t mask) {
+                                                return HasMask(other, mask);
+                                              });
+    }
+  };
+  const Ids all_wanted = {0xFFFFFFFF};
+  const auto listed = [&](const Objects& some) {
+    std::vector<Listed> list;
+    for (const auto& [id, object] : some) {
+      const auto its = wanted.find(id);
+      list.push_back({id, &object,
+                      asked.ids == nullptr  ? &all_wanted
+                      : its == wanted.end() ? nullptr
+                                            : &its->second});
+    }
+    return list;
+  };
+  PairList must;
+  PairList may;
+  const std::vector<Listed> bs = listed(others);
+  for (const Listed& a : listed(objects)) {
+    if (a.wanted == nullptr || !HasMask(*a.object, asked.mask)) continue;
+    for (const Listed& b : bs) {
+      if (is_one_world && (b.wanted != nullptr ? b.id <= a.id : b.id == a.id)) {
+        continue;
+      }
+      if (!HasMask(*b.object, asked.mask) ||
+          !(a.Wants(*b.object) || (is_one_world && b.Wants(*a.object)))) {
+        continue;
+      }
+      std::pair pair(a.id, b.id);
+      if (is_one_world) pair = std::minmax(a.id, b.id);
+      const auto is_apart = [&](double rounding) {
+        return AreSeparated(world.layout, a.object->bound, b.object->bound,
+                            asked.margin, rounding);
+      };
+      if (!is_apart(0)) {
+        must.push_back(pair);
+      } else if (asked.margin == 0 || is_apart(0x1p-21)) {
+        continue;
+      }
+      may.push_back(pair);
+    }
+  }
+  std::sort(must.begin(), must.end());
+  std::sort(may.begin(), may.end());
+  const Span<const std::uint32_t> ids =
+      asked.ids == nullptr ? Span<const std::uint32_t>()
+                           : Span<const std::uint32_t>(*asked.ids);
+  for (Target target : asked.targets) {
+    PairOptions options{.mask = asked.mask,
+                        .wanted = asked.wanted,
+                        .margin = asked.margin,
+                        .target = target};
+    const auto find = [&](Span<IdPair> pairs) {
+      return bvh == nullptr
+                 ? world.FindPairsOf(ids, pairs, options)
+                 : bvh->FindPairs(asked.other,
+                                  asked.ids == nullptr ? nullptr : &ids, pairs,
+                                  options);
+    };
+    const auto for_each = [&](const Searches::OnPairs& function) {
+      if (bvh == nullptr) {
+        world.ForEachPairOf(ids, function, options);
+      } else {
+        bvh->ForEachPair(asked.other, asked.ids == nullptr ? nullptr : &ids,
+                         function, options);
+      }
+    };
+    const std::size_t total = find({});
+    const auto found =
+        ExpectFills<IdPair>(total, {0xABABABAB, 0xCDCDCDCD},
+                            [&](Span<IdPair> pairs, std::size_t skip) {
+                              options.skip = skip;
+                              const std::size_t all = find(pairs);
+                              std::size_t left = 0;
+                              for_each([&](Span<const IdPair> some) {
+                                left += some.size();
+                                return Visit::kContinue;
+                              });
+                              EXPECT_EQ(left, all - std::min(skip, all));
+                              return all;
+                            });
+    options.skip = 0;
+    const PairList sorted = InOrder(found, is_one_world);
+    ASSERT_TRUE(std::adjacent_find(sorted.begin(), sorted.end()) ==
+                sorted.end());
+    PairList wrong;
+    std::set_difference(must.begin(), must.end(), sorted.begin(), sorted.end(),
+                        std::back_inserter(wrong));
+    ASSERT_EQ(wrong, PairList()) << "missed, margin " << asked.margin;
+    std::set_difference(sorted.begin(), sorted.end(), may.begin(), may.end(),
+                        std::back_inserter(wrong));
+    ASSERT_EQ(wrong, PairList()) << "too many, margin " << asked.margin;
+    for (const IdPair& pair : found) {
+      if (asked.ids == nullptr) break;
+      ASSERT_TRUE(
+          (Listed{pair.a, nullptr, &wanted[pair.a]}.Wants(others.at(pair.b))));
+    }
+    const std::size_t parts =
+        bvh == nullptr ? 1 : (bvh->tree().ids().size() + 63) / 64;
+    std::vector<IdPair> visited;
+    for (options.begin = 0; options.begin < parts;
+         options.begin = options.end) {
+      options.end = bvh == nullptr ? static_cast<std::size_t>(-1)
+                                   : options.begin + 1 + parts / 3;
+      for_each([&](Span<const IdPair> some) {
+        EXPECT_TRUE(!some.empty() && some.size() <= 256);
+        visited.insert(visited.end(), some.begin(), some.end());
+        return Visit::kContinue;
+      });
+    }
+    ASSERT_EQ(InOrder(visited, is_one_world), sorted);
+    options.begin = 0;
+    std::size_t calls = 0;
+    for_each([&](Span<const IdPair>) {
+      return ++calls < 2 ? Visit::kContinue : Visit::kStop;
+    });
+    ASSERT_TRUE(calls == 2 || (calls == 0) == found.empty());
+    ASSERT_LE(calls, 2u);
+  }
+}
+
+namespace {
+
+class Numbers {
+ public:
+  Numbers(bool is_special, Random& random)
+      : is_special_(is_special), random_(random) {}
+
+  // Most are from -60 to 60.
+  float Next() {
+    const float x = static_cast<float>(random_() % 120'000) / 1000 - 60;
+    return is_special_ && random_() % 8 == 0 ? SpecialValue<float>(random_) : x;
+  }
+  float Radius(float usual) {
+    if (!is_special_ || random_() % 8 != 0) return usual;
+    const float radius = SpecialValue<float>(random_);
+    return radius >= 0 ? radius : kInf;
+  }
+  void Add(std::size_t count, std::vector<float>& to) {
+    while (count-- > 0) to.push_back(Next());
+  }
+  Corner Point(std::size_t dims) {
+    Corner corner{};
+    for (std::size_t k = 0; k < dims; ++k) corner[k] = Next();
+    return corner;
+  }
+
+ private:
+  bool is_special_;
+  Random& random_;
+};
+
+}  // namespace
+
+std::vector<Shape> SomeShapes(const Layout& layout, Shape::Kind kind,
+                              std::size_t count, bool is_special,
+                              Random& random) {
+  Numbers numbers(is_special, random);
+  const std::size_t dims = layout.dims;
+  std::vector<Shape> shapes(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    shapes[i].kind = kind;
+    auto& all = shapes[i].numbers;
+    const float radius = std::ldexp(1.0f, static_cast<int>(random() % 8) - 2);
+    switch (kind) {
+      case Shape::kBound: {
+        const Planes bound =
+            BoundOfBall(layout, numbers.Point(dims), 4 * radius, true);
+        all.assign(bound.begin(), bound.end());
+        if (random() % 16 == 0) {
+          all[random() % layout.plane_count] = SpecialValue<float>(random);
+        }
+        break;
+      }
+      case Shape::kPoint:
+        numbers.Add(dims, all);
+        break;
+      case Shape::kSphere:
+        numbers.Add(dims, all);
+        all.push_back(numbers.Radius(random() % 8 == 0 ? 0 : 2 * radius));
+        break;
+      case Shape::kSegment:
+      case Shape::kCapsule:
+        numbers.Add(2 * dims, all);
+        // Along a plane, or a point.
+        if (random() % 4 == 1) all[dims] = all[0];
+        if (random() % 4 == 2) std::copy_n(all.begin(), dims, &all[dims]);
+        if (kind == Shape::kCapsule) {
+          all.push_back(numbers.Radius(radius / 4));
+        }
+        break;
+      case Shape::kOrientedBox:
+        numbers.Add(dims, all);
+        for (std::size_t k = 0; k < dims * dims; ++k) {
+          all.push_back(numbers.Next() / 60);
+        }
+        for (std::size_t k = 0; k < dims; ++k) {
+          all.push_back(numbers.Radius(8 * radius));
+        }
+        break;
+      case Shape::kHalfSpaces:
+        for (std::size_t f = random() % 7; f-- > 0;) {
+          float offset = 0;
+          for (std::size_t k = 0; k < dims; ++k) {
+            const float n = f % 3 == 1 && k == 1 ? 0 : numbers.Next();
+            all.push_back(n);
+            // In front of a place near the middle.
+            offset += std::abs(n) * (f % 2 == 0 ? 20.0f : 55.0f);
+          }
+          all.push_back(offset);
+        }
+    }
+  }
+  return shapes;
+}
+
+Place SomePlace(const Layout& layout, bool is_point, bool is_special,
+                Random& random) {
+  Numbers numbers(is_special, random);
+  Place place;
+  place.is_point = is_point;
+  place.min = place.max = numbers.Point(layout.dims);
+  if (is_point) return place;
+  for (std::size_t k = 0; k < layout.dims; ++k) {
+    place.max[k] += std::abs(numbers.Next()) / 2;
+  }
+  return place;
+}
+
+Motion SomeMotion(const Layout& layout, Motion::Kind kind, bool is_special,
+                  Random& random) {
+  Numbers numbers(is_special, random);
+  Motion motion;
+  motion.kind = kind;
+  motion.place = SomePlace(layout, kind != Motion::kBox, is_special, random);
+  for (std::size_t k = 0; k < layout.dims; ++k) {
+    motion.direction[k] = random() % 5 == 0 ? 0 : numbers.Next();
+  }
+  constexpr float kTimes[] = {kInf, 0.5f, 1, 0};
+  motion.max_t = numbers.Radius(kTimes[random() % 4]);
+  motion.radius = numbers.Radius(random() % 2 == 0 ? 0 : 2);
+  return motion;
+}
+
+void ExpectAnswers(const Searches& world, const Objects& objects,
+                   const HowToAsk& how, Random& random) {
+  ASSERT_EQ(world.size(), objects.size());
+  const Layout& layout = world.layout;
+  const QueryOptions options{.mask = how.mask, .target = how.target};
+  const SearchOptions search{.mask = how.mask, .target = how.target};
+  const auto any_object = [&] {
+    auto it = objects.begin();
+    std::advance(it, random() % objects.size());
+    return it;
+  };
+  for (int kind = 0; kind <= Shape::kHalfSpaces; ++kind) {
+    auto shapes = SomeShapes(layout, static_cast<Shape::Kind>(kind), how.shapes,
+                             how.is_special, random);
+    if (kind == Shape::kBound) {
+      // All, those that exceed a value, and those that touch an object.
+      std::vector<Planes> queries = {AllPlanes(layout, kMost),
+                                     AllPlanes(layout, 300),
+                                     AllPlanes(layout, -kInf)};
+      if (!objects.empty()) queries.push_back(any_object()->second.bound);
+      for (const Planes& query : queries) {
+        shapes.push_back({Shape::kBound, {query.begin(), query.end()}});
+      }
+    }
+    ExpectFinds(world, objects, shapes, options);
+    if (::testing::Test::HasFatalFailure()) return;
+  }
+  for (float limit : {kInf, 30.0f, 0.0f}) {
+    const bool is_point = random() % 2 == 0;
+    ExpectNearest(world, objects,
+                  SomePlace(layout, is_point, how.is_special, random), limit,
+                  search);
+    if (::testing::Test::HasFatalFailure()) return;
+  }
+  for (Motion::Kind kind : {Motion::kRay, Motion::kBox, Motion::kBall}) {
+    ExpectHits(world, objects, SomeMotion(layout, kind, how.is_special, random),
+               search);
+    if (::testing::Test::HasFatalFailure()) return;
+  }
+  if (!layout.has_max) return;
+  Ids ids;
+  PairsAsked asked;
+  for (std::size_t i = random() % 40; i-- > 0 && !objects.empty();) {
+    ids.push_back(any_object()->first);
+    asked.wanted.push_back(random() % 4 == 0 ? 0xFFFFFFFF : random() % 8);
+  }
+  if (random() % 2 == 0) asked.wanted.clear();
+  asked.ids = &ids;
+  asked.mask = how.mask;
+  constexpr float kMargins[] = {0, 0, 0.7f, 7.0f, 1e-30f, 1e-42f, 3e38f};
+  asked.margin = kMargins[random() % 7];
+  asked.targets = {how.target};
+  ExpectPairs(world, objects, asked);
+}
+
+void ExpectIsModel(const AnyBvh& world, const Objects& objects,
+                   const HowToAsk& how, Random& random) {
+  const Layout& layout = world.layout;
+  const auto is_same = [](float a, float b) {
+    return a == b || (a != a && b != b);
+  };
+  Planes all = EmptyOf(layout);
+  const auto in_use = [&](std::uint32_t id) { return objects.contains(id); };
+  for (std::uint32_t id = 0; id < world.tree().id_limit() + 3; ++id) {
+    ASSERT_EQ(world.tree().Has(id), in_use(id)) << id;
+  }
+  for (const auto& [id, object] : objects) {
+    ASSERT_TRUE(world.tree().Has(id)) << id;
+    const Planes its = world.Get(id);
+    ASSERT_TRUE(
+        std::equal(its.begin(), its.end(), object.bound.begin(), is_same))
+        << id;
+    for (std::size_t p = 0; p < layout.plane_count; ++p) {
+      // What is no number limits nothing.
+      const float v = object.bound[p];
+      if (IsMin(layout, p)) {
+        all[p] = std::isnan(v) ? -kInf : std::min(all[p], v);
+      } else {
+        all[p] = std::isnan(v) ? kInf : std::max(all[p], v);
+      }
+    }
+  }
+  ASSERT_EQ(world.Bounds(), all);
+  ExpectAnswers(world, objects, how, random);
+  if (!layout.has_max || objects.size() > 700 ||
+      ::testing::Test::HasFatalFailure()) {
+    return;
+  }
+  PairsAsked asked;
+  asked.mask = how.mask;
+  asked.targets = {how.target};
+  ExpectPairs(world, objects, asked);
+  // With another world: of all, or of some.
+  Spheres spheres(layout, 6, random());
+  const std::vector<Planes> bounds = spheres.Some(random() % 150);
+  const auto other = MakeBvh(layout, bounds);
+  const Objects others = ObjectsOf(bounds);
+  asked.other = other.get();
+  asked.others = &others;
+  Ids ids;
+  if (random() % 2 == 0) {
+    for (const auto& [id, object] : objects) {
+      if (id % 5 == 0) ids.push_back(id);
+    }
+    asked.ids = &ids;
+  }
+  asked.margin = random() % 2 == 0 ? 0 : 0.5f;
+  ExpectPairs(world, objects, asked);
+}
+
+Planes BoundOfBall(const Layout& layout, const Corner& center, float radius,
+                   bool is_query) {
+  Planes bound{};
+  std::array<float, 4> min;
+  std::array<float, 4> max;
+  float sum = 0;
+  for (std::size_t k = 0; k < layout.dims; ++k) {
+    min[k] = center[k] - radius;
+    max[k] = center[k] + radius;
+    sum += center[k];
+  }
+  const float on_d = radius * std::sqrt(static_cast<float>(layout.dims));
+  min[layout.dims] = -sum - on_d;
+  max[layout.dims] = -sum + on_d;
+  for (std::size_t p = 0; p < layout.plane_count; ++p) {
+    const std::size_t k = p % layout.axes;
+    bound[p] = IsMin(layout, p) != is_query ? min[k] : max[k];
+  }
+  return bound;
+}
+
+Planes Spheres::Next(bool is_query) {
+  Corner center{};
+  for (std::size_t k = 0; k < layout_.dims; ++k) {
+    center[k] = static_cast<float>(random_() % (1 << 24)) * 0x1p-24f * 100 - 50;
+  }
+  return BoundOfBall(layout_, center, radius_, is_query);
+}
+std::vector<Planes> Spheres::Some(std::size_t count) {
+  std::vector<Planes> some(count);
+  for (Planes& bound : some) bound = Next();
+  return some;
+}
+Shape Spheres::NextQuery() {
+  const Planes query = Next(true);
+  return {Shape::kBound, {query.begin(), query.end()}};
+}
+
+namespace {
+
+// As long as `half` on some axes.
+template <typename IsLong>
+Planes Stretched(const Layout& layout, Planes bound, float half,
+                 const IsLong& is_long) {
+  for (std::size_t p = 0; p < layout.plane_count; ++p) {
+    if (!is_long(p % layout.axes)) continue;
+    bound[p] = IsMin(layout, p) ? -half : half;
+  }
+  return bound;
+}
+template <int kExponent>
+Planes FewFarAway(const Layout&, std::size_t i, Spheres& spheres, Random&) {
+  Planes bound = spheres.Next();
+  for (float& value : bound) {
+    if (i < 10) value *= std::pow(10.0f, static_cast<float>(kExponent));
+  }
+  return bound;
+}
+Planes One(const Layout& layout) { return BoundOfBall(layout, {1, 2, 3}, 3); }
+
+constexpr Scene kScenes[] = {
+    {"spheres", false,
+     [](const Layout&, std::size_t, Spheres& spheres, Random&) {
+       return spheres.Next();
+     }},
+    {"all the same", false,
+     [](const Layout& layout, std::size_t, Spheres&, Random&) {
+       return One(layout);
+     }},
+    {"everything", false,
+     [](const Layout& layout, std::size_t, Spheres&, Random&) {
+       return EverythingOf(layout);
+     }},
+    {"empty", false,
+     [](const Layout& layout, std::size_t, Spheres&, Random&) {
+       return EmptyOf(layout);
+     }},
+    {"empty or the same", false,
+     [](const Layout& layout, std::size_t i, Spheres&, Random&) {
+       return i % 3 == 0 ? EmptyOf(layout) : One(layout);
+     }},
+    {"everything and NaN among spheres", true,
+     [](const Layout& layout, std::size_t i, Spheres& spheres, Random&) {
+       Planes bound = spheres.Next();
+       for (std::size_t p = 0; p < layout.plane_count; ++p) {
+         if (i % 40 == 7 || i % 90 == p) bound[p] = kNan;
+       }
+       return i % 50 == 0   ? EverythingOf(layout)
+              : i % 50 == 1 ? EmptyOf(layout)
+                            : bound;
+     }},
+    {"a line", false,
+     [](const Layout& layout, std::size_t i, Spheres&, Random&) {
+       Planes bound = One(layout);
+       bound[0] = static_cast<float>(i);
+       return bound;
+     }},
+    {"a lattice", false,  // where all faces coincide
+     [](const Layout& layout, std::size_t i, Spheres&, Random&) {
+       Planes bound{};
+       for (std::size_t p = 0; p < layout.plane_count; ++p) {
+         const std::size_t k = p % layout.axes;
+         bound[p] = static_cast<float>((i >> 4 * k) % 16) +
+                    (IsMin(layout, p) ? 0.0f : 1.0f);
+       }
+       return bound;
+     }},
+    {"a few far away", false, &FewFarAway<4>},
+    {"a few farther away", false, &FewFarAway<7>},
+    {"a few very far away", false, &FewFarAway<30>},
+    {"a teapot in a stadium", false,
+     [](const Layout& layout, std::size_t i, Spheres& spheres, Random&) {
+       Planes bound = spheres.Next();
+       for (std::size_t p = 0; i % 10 != 0 && p < layout.plane_count; ++p) {
+         const std::size_t place = i % 20 * (p % layout.axes + 1) % 20;
+         bound[p] = 1e-3f * bound[p] + 5.0f * static_cast<float>(place);
+       }
+       return bound;
+     }},
+    {"ground planes", false,
+     [](const Layout& layout, std::size_t i, Spheres& spheres, Random&) {
+       const Planes bound = spheres.Next();
+       return i < 5 ? Stretched(layout, bound, 50,
+                                [](std::size_t k) { return k != 1; })
+                    : bound;
+     }},
+    {"sizes over six decades", false,
+     [](const Layout& layout, std::size_t i, Spheres&, Random& random) {
+       const float decades = static_cast<float>(i % 61) / 10.0f - 4.0f;
+       return Spheres(layout, std::pow(10.0f, decades), random()).Next();
+     }},
+    {"all on one plane", false,
+     [](const Layout& layout, std::size_t, Spheres& spheres, Random&) {
+       return Stretched(layout, spheres.Next(), 0,
+                        [](std::size_t k) { return k == 0; });
+     }},
+    {"one long object", false,
+     [](const Layout& layout, std::size_t i, Spheres& spheres, Random&) {
+       return Stretched(layout, spheres.Next(), 1e6f,
+                        [&](std::size_t k) { return i == 0 && k == 0; });
+     }},
+    // Plane by plane: values that touch, one ulp apart, special, inverted.
+    {"special values", true,
+     [](const Layout& layout, std::size_t, Spheres&, Random& random) {
+       Planes bound{};
+       for (std::size_t p = 0; p < layout.plane_count; ++p) {
+         PlaneValueSource<float> source(InputKind::kAdversarial,
+                                        IsMin(layout, p),
+                                        static_cast<float>(p) - 3);
+         bound[p] = source.Next(random);
+       }
+       return bound;
+     }},
+    {"special values among spheres", true,
+     [](const Layout& layout, std::size_t i, Spheres& spheres, Random& random) {
+       Planes bound = spheres.Next();
+       for (std::size_t p = 0; i % 2 == 0 && p < layout.plane_count; ++p) {
+         if (random() % 8 == 0) bound[p] = SpecialValue<float>(random);
+       }
+       return bound;
+     }},
+};
+
+}  // namespace
+
+std::span<const Scene> Scenes() { return kScenes; }
+
+std::vector<Planes> ObjectsIn(const Scene& scene, const Layout& layout,
+                              std::size_t size, std::uint64_t seed) {
+  Spheres spheres(layout, 3, seed);
+  Random random(seed);
+  std::vector<Planes> objects;
+  for (std::size_t i = 0; i < size; ++i) {
+    objects.push_back(scene.next(layout, i, spheres, random));
+  }
+  return objects;
+}
+
+}  // namespace halfspace::testing

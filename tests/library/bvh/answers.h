@@ -1,0 +1,133 @@
+// What BVHs and broad phases should answer, from a list of their objects.
+#ifndef HALFSPACE_TESTS_LIBRARY_BVH_ANSWERS_H_
+#define HALFSPACE_TESTS_LIBRARY_BVH_ANSWERS_H_
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "tests/library/bvh/any_bvh.h"
+#include "tests/library/bvh/spread.h"
+#include "tests/library/support/inputs.h"
+
+namespace halfspace::testing {
+
+struct Object {
+  Planes bound{};
+  std::uint32_t masks = 0xFFFFFFFF;
+};
+using Objects = std::map<std::uint32_t, Object>;  // by id
+
+inline Objects ObjectsOf(std::span<const Planes> bounds) {
+  Objects objects;
+  for (const Planes& bound : bounds) {
+    objects[static_cast<std::uint32_t>(objects.size())] = {bound};
+  }
+  return objects;
+}
+
+// In order.
+using PairList = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+// Of one world, the lesser id of each pair is first.
+PairList InOrder(Span<const IdPair> pairs, bool is_one_world);
+
+// Whether a plane separates two bounds by more than a margin, which is 2 or 3
+// times as large on D. With a margin and `rounding`, the call allows for such a
+// share of all values, and for values that grow beyond the greatest float.
+bool AreSeparated(const Layout& layout, const Planes& a, const Planes& b,
+                  float margin = 0, double rounding = 0);
+// With margin 0.
+PairList PairsIn(const Layout& layout, const Objects& objects);
+
+// The objects that the test of a shape keeps, in order. Not for oriented boxes.
+Ids KeptBy(const Layout& layout, const Objects& objects, const Shape& shape,
+           std::uint32_t mask);
+
+// Every call for the shapes, which are of one kind. It finds those objects that
+// the test of each shape keeps.
+void ExpectFinds(const Searches& world, const Objects& objects,
+                 std::span<const Shape> shapes, const QueryOptions& options);
+// The nearest objects, by their distances as computed.
+void ExpectNearest(const Searches& world, const Objects& objects,
+                   const Place& place, float max_distance,
+                   const SearchOptions& options);
+// Every hit at its t, and with limits all that are nearer.
+void ExpectHits(const Searches& world, const Objects& objects,
+                const Motion& motion, const SearchOptions& options);
+
+// Which pairs are asked for: of one world or with another one, of all objects
+// or of some. A list of ids may have an id twice.
+struct PairsAsked {
+  const AnyBvh* other = nullptr;
+  const Objects* others = nullptr;
+  const Ids* ids = nullptr;
+  Ids wanted = {};  // of the ids; empty if all are wanted
+  std::uint32_t mask = 0xFFFFFFFF;
+  float margin = 0;
+  std::vector<Target> targets = {Target()};
+};
+// The world is an AnyBvh unless `ids` are of one world.
+void ExpectPairs(const Searches& world, const Objects& objects,
+                 const PairsAsked& asked);
+
+// Shapes of one kind near the objects of Scenes. With `is_special`, some of
+// their numbers are special values.
+std::vector<Shape> SomeShapes(const Layout& layout, Shape::Kind kind,
+                              std::size_t count, bool is_special,
+                              Random& random);
+Place SomePlace(const Layout& layout, bool is_point, bool is_special,
+                Random& random);
+Motion SomeMotion(const Layout& layout, Motion::Kind kind, bool is_special,
+                  Random& random);
+
+struct HowToAsk {
+  Target target = {};
+  std::uint32_t mask = 0xFFFFFFFF;
+  bool is_special = false;
+  std::size_t shapes = 3;  // of each kind
+};
+// Questions of all kinds, which random numbers choose.
+void ExpectAnswers(const Searches& world, const Objects& objects,
+                   const HowToAsk& how, Random& random);
+// What ExpectAnswers() does, and what BVHs alone have: more pairs, the objects'
+// bounds, and the bound of all.
+void ExpectIsModel(const AnyBvh& world, const Objects& objects,
+                   const HowToAsk& how, Random& random);
+
+// A bound of a sphere: on D it is that of the sphere, too. Planes of a query
+// are those that a plane is compared with.
+Planes BoundOfBall(const Layout& layout, const Corner& center, float radius,
+                   bool is_query = false);
+
+// Objects of a cube of side 100.
+class Spheres {
+ public:
+  Spheres(const Layout& layout, float radius, std::uint64_t seed = 1)
+      : layout_(layout), radius_(radius), random_(seed) {}
+  Planes Next(bool is_query = false);
+  std::vector<Planes> Some(std::size_t count);
+  Shape NextQuery();
+
+ private:
+  Layout layout_;
+  float radius_;
+  Random random_;
+};
+
+// Worlds of every kind: usual ones, and degenerate ones.
+struct Scene {
+  const char* name;
+  bool is_special = false;  // so that special questions are asked
+  Planes (*next)(const Layout& layout, std::size_t i, Spheres& spheres,
+                 Random& random);
+};
+std::span<const Scene> Scenes();
+std::vector<Planes> ObjectsIn(const Scene& scene, const Layout& layout,
+                              std::size_t size, std::uint64_t seed);
+
+}  // namespace halfspace::testing
+
+#endif  // HALFSPACE_TESTS_LIBRARY_BVH_ANSWERS_H_

@@ -1,0 +1,562 @@
+// How BVHs are built and kept in order: the same on every target, in every mode
+// and on any threads, as tight as new ones, with memory and work in proportion
+// to their objects.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <random>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "tests/library/bvh/answers.h"
+#include "tests/library/bvh/history.h"
+#include "tests/library/bvh/spread.h"
+#include "tests/library/support/counting_memory.h"
+#include "tests/library/support/environment.h"
+
+namespace halfspace::testing {
+namespace {
+
+class BvhBuildTest : public ::testing::TestWithParam<Layout> {
+ protected:
+  static BoundList Listed(std::vector<Planes> bounds) {
+    return {std::move(bounds), {}};
+  }
+  // Queries, by the leaves that they visit: a count of work.
+  std::size_t LeavesVisited(const AnyBvh& bvh) const {
+    const detail::BvhLevel& level = bvh.tree().levels().level[1];
+    std::size_t visited = 0;
+    Spheres spheres(GetParam(), 0.2f, 77);
+    for (std::size_t q = 0; q < kQueries; ++q) {
+      const Planes query = spheres.Next(true);
+      for (std::size_t n = 0; n < level.size; ++n) {
+        bool is_visited = true;
+        for (std::size_t p = 0; p < GetParam().plane_count; ++p) {
+          const float v = level.Value(p, n);
+          is_visited &= !(IsMin(GetParam(), p) ? v > query[p] : v < query[p]);
+        }
+        visited += is_visited ? 1 : 0;
+      }
+    }
+    return visited;
+  }
+  static constexpr std::size_t kQueries = 500;
+};
+INSTANTIATE_TEST_SUITE_P(Of, BvhBuildTest,
+                         ::testing::ValuesIn(LayoutsOf(false)), LayoutName());
+
+bool AreSame(const AnyBvh& a, const AnyBvh& b) {
+  return std::ranges::equal(a.tree().Blob(), b.tree().Blob());
+}
+
+// Of the floats as of doubles that are rounded to them, too.
+TEST_P(BvhBuildTest, IsTheSameOnEveryTargetAndInEveryMode) {
+  for (const Scene& scene : Scenes()) {
+    std::vector<Planes> bounds = ObjectsIn(scene, GetParam(), 5000, 3);
+    // Blocks without a finite value.
+    for (int i = 0; i < 200; ++i) bounds.push_back(EmptyOf(GetParam()));
+    BoundList lists[] = {Listed(bounds), InDoubles(GetParam(), bounds)};
+    for (BuildQuality quality : {BuildQuality::kHigh, BuildQuality::kFast}) {
+      const auto expected =
+          MakeBvh(GetParam(), lists[0],
+                  {.quality = quality, .target = TargetsUnderTest()[0]});
+      for (Target target : TargetsUnderTest()) {
+        EXPECT_TRUE(AreSame(*MakeBvh(GetParam(), lists[0],
+                                     {.quality = quality, .target = target}),
+                            *expected))
+            << scene.name << ", " << target.name();
+      }
+      for (FpMode mode : kFpModes) {
+        if (mode == FpMode::kTraps && scene.is_special) continue;
+        for (const BoundList& list : lists) {
+          // A NaN that was a double has other bits.
+          if (scene.is_special && &list != lists) continue;
+          std::unique_ptr<AnyBvh> bvh;
+          RunIn(mode,
+                [&] { bvh = MakeBvh(GetParam(), list, {.quality = quality}); });
+          EXPECT_TRUE(AreSame(*bvh, *expected))
+              << scene.name << ", mode " << static_cast<int>(mode);
+        }
+      }
+    }
+  }
+}
+
+// The node that an insertion chooses is the same on every target, also among
+// bounds that are empty, infinite or NaN, and for such a bound.
+TEST_P(BvhBuildTest, TheNearestNodeIsThatOfPlainCode) {
+  Spheres spheres(GetParam(), 1);
+  std::mt19937 random(3);
+  const auto any_bound = [&] {
+    Planes bound = random() % 8 == 0   ? EmptyOf(GetParam())
+                   : random() % 8 == 0 ? EverythingOf(GetParam())
+                                       : spheres.Next(false);
+    if (random() % 8 == 0) bound[random() % GetParam().axes] = kNan;
+    return bound;
+  };
+  std::vector<Planes> bounds = spheres.Some(9000);
+  for (std::size_t i = 0; i < 9000; i += 1 + random() % 256) {
+    bounds[i] = any_bound();
+  }
+  const auto bvh = MakeBvh(GetParam(), bounds);
+  const detail::BvhLevel& level = bvh->tree().levels().level[1];
+  const auto plain = [&](std::size_t block, const Planes& bound,
+                         std::uint64_t nodes) {
+    std::int32_t least = std::numeric_limits<std::int32_t>::max();
+    for (std::size_t i = 0; i < 64; ++i) {
+      float growth = 0;
+      for (std::size_t p = 0; p < GetParam().plane_count; ++p) {
+        const float node = level.Value(p, block * 64 + i);
+        const float beyond =
+            IsMin(GetParam(), p) ? node - bound[p] : bound[p] - node;
+        if (beyond > 0) growth += beyond;
+      }
+      const std::int32_t key = (std::bit_cast<std::int32_t>(growth) & ~63) |
+                               static_cast<std::int32_t>(i);
+      if ((nodes >> i & 1) != 0) least = std::min(least, key);
+    }
+    return static_cast<std::size_t>(least & 63);
+  };
+  for (int round = 0; round < 2000; ++round) {
+    const std::size_t block = random() % 2;  // of 141 nodes
+    const Planes bound = any_bound();
+    const std::uint64_t some = std::uint64_t{random()} << 32 | random();
+    const std::uint64_t nodes = round % 4 == 0
+                                    ? std::uint64_t{1} << random() % 64
+                                    : level.present[block] & some;
+    if (nodes == 0) continue;
+    for (Target target : TargetsUnderTest()) {
+      ASSERT_EQ(detail::KernelsFor(bvh->tree().type(), target, "")
+                    .nearest_node(level, block, bound.data(), nodes),
+                plain(block, bound, nodes))
+          << round << ", " << target.name();
+    }
+  }
+}
+
+// Nodes are as tight as those of a new world with the same order, whatever
+// changed: the blocks of all are equal, codes included.
+TEST_P(BvhBuildTest, LevelsStayAsTightAsAfterARefit) {
+  Spheres spheres(GetParam(), 1);
+  const auto changed = MakeBvh(GetParam(), spheres.Some(9000));
+  const BoundList bounds = Listed(spheres.Some(9000));
+  const auto refitted = changed->Copy();
+  const auto batched = changed->Copy();
+  const auto listed = changed->Copy();
+  Ids ids;
+  for (std::uint32_t i = 0; i < 9000; ++i) {
+    changed->SetOne(i, Listed({bounds.floats[i]}));
+    ids.push_back(i);
+  }
+  std::size_t count = 3;
+  for (std::size_t i = 0; i < ids.size(); i += count, count = 703 - count) {
+    count = std::min(count, ids.size() - i);
+    const auto first = bounds.floats.begin() + static_cast<std::ptrdiff_t>(i);
+    const auto some = std::span(ids).subspan(i, count);
+    batched->Set(some,
+                 Listed({first, first + static_cast<std::ptrdiff_t>(count)}));
+    listed->RefitSome(some, bounds);
+  }
+  EXPECT_TRUE(AreSame(*changed, *batched));
+  EXPECT_TRUE(AreSame(*changed, *listed));
+  refitted->Refit(bounds);
+  EXPECT_GT(changed->tree().CostRatio(), 2.0);
+  EXPECT_EQ(changed->tree().CostRatio(), refitted->tree().CostRatio());
+  const auto& a = changed->tree().levels();
+  const auto& b = refitted->tree().levels();
+  ASSERT_EQ(a.count, b.count);
+  for (std::size_t l = 0; l < a.count; ++l) {
+    const std::size_t floats =
+        (a.level[l].size + 63) / 64 * 64 * GetParam().plane_count;
+    EXPECT_TRUE(std::equal(a.level[l].floats, a.level[l].floats + floats,
+                           b.level[l].floats))
+        << l;
+  }
+}
+
+// The first tenth in the world's order change places with each other.
+TEST_P(BvhBuildTest, RebuildsMendWhatDecayed) {
+  Spheres spheres(GetParam(), 0.2f);
+  const std::vector<Planes> bounds = spheres.Some(40'000);
+  const auto bvh = MakeBvh(GetParam(), bounds);
+  EXPECT_EQ(bvh->tree().CostRatio(), 1.0);
+  EXPECT_EQ(bvh->RebuildPartial(100'000), 0u);
+  const Ids first(bvh->tree().ids().begin(), bvh->tree().ids().begin() + 4096);
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    bvh->SetOne(first[i], Listed({bounds[first[(i * 1021) % first.size()]]}));
+  }
+  EXPECT_GT(bvh->tree().CostRatio(), 1.2);
+  EXPECT_EQ(bvh->RebuildPartial(4096), 4096u);
+  EXPECT_LT(bvh->tree().CostRatio(), 1.05);
+  bvh->Refit(Listed(spheres.Some(40'000)));
+  EXPECT_GT(bvh->tree().CostRatio(), 5.0);
+  bvh->Rebuild({});
+  EXPECT_EQ(bvh->tree().CostRatio(), 1.0);
+}
+
+// One by one, in batches of which none is a multiple of what is sorted, by
+// objects that are replaced one by one, and in lists of a few, as bodies of a
+// simulation are.
+TEST_P(BvhBuildTest, AWorldSortsItselfAsItChanges) {
+  constexpr std::uint32_t kSize = 20'000;
+  Spheres spheres(GetParam(), 0.2f);
+  const std::vector<Planes> bounds = spheres.Some(kSize);
+  const auto built = MakeBvh(GetParam(), bounds);
+  const std::size_t least = LeavesVisited(*built);
+  const auto bvh = MakeBvh(GetParam(), std::vector<Planes>());
+  const auto batched = MakeBvh(GetParam(), std::vector<Planes>());
+  for (const Planes& bound : bounds) bvh->InsertOne(Listed({bound}));
+  for (std::size_t i = 0; i < kSize;) {
+    const std::size_t end = std::min<std::size_t>(kSize, i + 1 + i / 7);
+    Ids ids(end - i);
+    batched->Insert(Listed({bounds.begin() + static_cast<std::ptrdiff_t>(i),
+                            bounds.begin() + static_cast<std::ptrdiff_t>(end)}),
+                    ids);
+    i = end;
+  }
+  // Up to four blocks and a few runs have no place in the order yet.
+  const std::size_t most = 3 * least + 8 * kQueries;
+  EXPECT_LE(LeavesVisited(*batched), most);
+  EXPECT_LE(LeavesVisited(*bvh), most);
+  Random random(1);
+  for (std::size_t i = 0; i < 3 * kSize / 2; ++i) {
+    bvh->EraseOne(static_cast<std::uint32_t>(random() % kSize));
+    bvh->InsertOne(Listed({spheres.Next()}));
+  }
+  EXPECT_LE(LeavesVisited(*bvh), most);
+  // The new ones take the places of those that went, and partial rebuilds do
+  // not spread them over the world.
+  for (std::size_t i = 0; i < kSize * 19 / 20 / 16; ++i) {
+    Ids ids;
+    for (std::size_t k = 0; k < 16; ++k) {
+      ids.push_back(static_cast<std::uint32_t>(random() % kSize));
+    }
+    ids = InOrder(ids);
+    ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    built->Erase(ids);
+    built->InsertAs(ids, Listed(spheres.Some(ids.size())));
+    if (i % 64 == 0) built->RebuildPartial(2048);
+  }
+  // A tree of simplices decays further.
+  const std::size_t factor = GetParam().has_max ? 4 : 7;
+  EXPECT_LE(LeavesVisited(*built), factor * least + 2 * kQueries);
+}
+
+// All objects cross the world. A part of the order that kept its objects would
+// end up with some from everywhere.
+TEST_P(BvhBuildTest, PartialRebuildsExchangeObjects) {
+  constexpr std::size_t kSize = 12'000;
+  constexpr std::size_t kFrames = 200;
+  const auto from = Spheres(GetParam(), 0.2f, 1).Some(kSize);
+  const auto to = Spheres(GetParam(), 0.2f, 2).Some(kSize);
+  const auto bvh = MakeBvh(GetParam(), from);
+  BoundList bounds = Listed(from);
+  for (std::size_t frame = 1; frame <= kFrames; ++frame) {
+    const float share = static_cast<float>(frame) / kFrames;
+    for (std::size_t i = 0; i < kSize; ++i) {
+      for (std::size_t p = 0; p < from[i].size(); ++p) {
+        bounds.floats[i][p] = from[i][p] * (1 - share) + to[i][p] * share;
+      }
+    }
+    bvh->Refit(bounds);
+    EXPECT_LE(bvh->RebuildPartial(kSize / 16), 2048u);
+  }
+  EXPECT_LE(LeavesVisited(*bvh),
+            3 * LeavesVisited(*MakeBvh(GetParam(), bounds)));
+}
+
+// An object that is very far away costs the others none of their order.
+TEST_P(BvhBuildTest, OneFarObjectLeavesTheOrder) {
+  std::vector<Planes> bounds = Spheres(GetParam(), 0.2f).Some(20'000);
+  std::vector<Planes> with_far = bounds;
+  with_far[7][0] += 1e30f;
+  if (GetParam().has_max) with_far[7][GetParam().first_max] += 1e30f;
+  for (BuildQuality quality : {BuildQuality::kHigh, BuildQuality::kFast}) {
+    const BuildOptions options{.quality = quality};
+    const std::size_t near =
+        LeavesVisited(*MakeBvh(GetParam(), bounds, options));
+    EXPECT_LE(LeavesVisited(*MakeBvh(GetParam(), with_far, options)),
+              near + near / 5)
+        << static_cast<int>(quality);
+  }
+}
+
+// Of a stream, whose oldest object is erased for each that comes further along
+// an axis, and of a world that is emptied and filled.
+TEST_P(BvhBuildTest, MemoryFollowsTheObjects) {
+  Spheres spheres(GetParam(), 1);
+  const auto bytes_of = [&](std::size_t size) {
+    return MakeBvh(GetParam(), spheres.Some(size))->tree().bytes();
+  };
+  const auto bvh = MakeBvh(GetParam(), std::vector<Planes>());
+  std::deque<std::uint32_t> alive;
+  for (std::size_t i = 0; i < 20'000; ++i) {
+    Planes bound = spheres.Next();
+    bound[0] += static_cast<float>(i);
+    if (GetParam().has_max) {
+      bound[GetParam().first_max] += static_cast<float>(i);
+    }
+    alive.push_back(bvh->InsertOne(Listed({bound})));
+    if (alive.size() > 500) {
+      bvh->EraseOne(alive.front());
+      alive.pop_front();
+    }
+    ASSERT_LE(bvh->tree().ids().size(), 2 * bvh->size() + 64);
+  }
+  EXPECT_LE(bvh->tree().bytes(), 2 * bytes_of(1000));
+  EXPECT_LT(bvh->tree().CostRatio(), 2.0);
+  for (int round = 0; round < 5; ++round) {
+    for (std::uint32_t id : alive) bvh->EraseOne(id);
+    alive.clear();
+    EXPECT_EQ(bvh->tree().ids().size(), 0u);
+    for (std::size_t i = 0; i < 5000; ++i) {
+      alive.push_back(bvh->InsertOne(Listed({spheres.Next()})));
+    }
+    ASSERT_EQ(bvh->tree().ids().size(), 5000u);
+  }
+  EXPECT_LE(bvh->tree().bytes(), 2 * bytes_of(5000));
+  // The first 100 remain, and with them the least ids.
+  for (; alive.size() > 100; alive.pop_back()) bvh->EraseOne(alive.back());
+  bvh->Rebuild({});
+  EXPECT_LE(bvh->tree().bytes(), bytes_of(100) + 512);
+  EXPECT_EQ(bvh->InsertOne(Listed({spheres.Next()})), 100u);
+}
+
+// Objects on a line: each leaf must hold neighbours, for any distances.
+TEST(BvhOrderTest, ALeafHasNeighboursOnALine) {
+  constexpr std::size_t kObjects = 64 * 64 + 1000;
+  const auto share = [](std::size_t i) {
+    return static_cast<float>(i) / kObjects;
+  };
+  const std::pair<const char*, std::function<float(std::size_t)>> kLines[] = {
+      {"even", [&](std::size_t i) { return share(i); }},
+      {"growing",
+       [&](std::size_t i) {
+         return std::ldexp(1.0f, static_cast<int>(i / 32) - 64);
+       }},
+      {"tiny", [&](std::size_t i) { return 0x1p-130f * share(i); }},
+      {"outliers",
+       [&](std::size_t i) {
+         return i % 1000 == 0 ? 1e30f * share(i) : share(i);
+       }},
+      {"as far as can be",
+       [&](std::size_t i) { return (i % 2 == 0 ? -0.2f : 0.2f) * kMost; }},
+      {"infinite",
+       [&](std::size_t i) { return i % 100 == 0 ? kInf : share(i); }},
+      {"most in two places",
+       [&](std::size_t i) {
+         return i % 3 == 0 ? share(i) : i % 3 == 1 ? 0.25f : 0.5f;
+       }},
+      {"all in one place", [](std::size_t) { return 5.0f; }}};
+  for (const auto& [name, center] : kLines) {
+    SCOPED_TRACE(name);
+    std::vector<Aabb3> boxes;
+    // In no order: 4093 is prime.
+    for (std::size_t i = 0; i < kObjects; ++i) {
+      const float x = center(i * 4093 % kObjects);
+      boxes.push_back({{x, 0, 0}, {x, 0, 0}});
+    }
+    const AabbBvh3 bvh(boxes);
+    float last = -kInf;
+    for (std::size_t first = 0; first < kObjects; first += 64) {
+      float least = kInf;
+      float greatest = -kInf;
+      for (std::size_t s = first; s < std::min(first + 64, kObjects); ++s) {
+        const float x = boxes[bvh.ids()[s]].min[0];
+        least = std::min(least, x);
+        greatest = std::max(greatest, x);
+      }
+      EXPECT_LE(last, least) << "in leaf " << first / 64;
+      last = greatest;
+    }
+  }
+}
+
+TEST(BvhOrderTest, TheCostRatioIsInfiniteOnlyBeforeTheFirstOrder) {
+  AabbBvh3 bvh;
+  Spread<AabbView3> spread(1.0f);
+  for (std::size_t size = 1; size <= 300; ++size) {
+    bvh.Insert(spread.NextObject());
+    const double ratio = bvh.CostRatio();
+    if (size <= 64) {
+      EXPECT_EQ(ratio, 1.0);
+    } else if (size < 256) {
+      EXPECT_EQ(ratio, kInf);
+    } else {
+      EXPECT_LT(ratio, 3.0);
+    }
+  }
+  for (std::uint32_t id = 0; id < 295; ++id) bvh.Erase(id);
+  EXPECT_EQ(bvh.CostRatio(), 1.0);
+  bvh.Clear();
+  EXPECT_EQ(bvh.RebuildPartial(100), 0u);
+  // The newest objects are sorted, and the others have moved.
+  AabbBvh3 moved(spread.Objects(3000));
+  for (std::uint32_t id = 0; id < 3000; ++id) {
+    moved.Set(id, spread.NextObject());
+  }
+  const double ratio = moved.CostRatio();
+  for (int i = 0; i < 257; ++i) moved.Insert(spread.NextObject());
+  EXPECT_GT(moved.CostRatio(), ratio / 2);
+  // Half of the objects in as many leaves.
+  AabbBvh3 half(spread.Objects(10'000));
+  for (std::uint32_t id = 0; id < 10'000; id += 2) half.Erase(id);
+  EXPECT_NEAR(half.CostRatio(), 2.0, 0.2);
+  EXPECT_EQ(half.RebuildPartial(12'288), 5000u);
+  EXPECT_EQ(half.CostRatio(), 1.0);
+  EXPECT_EQ(half.ids().size(), 5000u);
+}
+
+// A partial rebuild cuts the end of the world, in front of where it ended when
+// all were sorted. Then a list crosses that place.
+TEST(BvhOrderTest, AListAfterTheEndWasCutIsFound) {
+  constexpr std::uint32_t kSize = 2048;
+  Spread<AabbView3> spread(0.2f);
+  AabbBvh3 bvh(spread.Objects(kSize));
+  const Ids places(bvh.ids().begin(), bvh.ids().end());
+  bvh.Erase(Ids(places.end() - 700, places.end() - 1));
+  for (std::size_t i = 0; i < 600; ++i) bvh.Set(places[i], spread.NextObject());
+  EXPECT_GT(bvh.RebuildPartial(kSize), 0u);
+  ASSERT_LT(bvh.ids().size(), kSize - 600u);
+  std::vector<Aabb3> bounds(1000);
+  for (Aabb3& bound : bounds) bound = spread.NextObject();
+  Ids ids(bounds.size());
+  bvh.Insert(bounds, ids);
+  EXPECT_EQ(CountSurvivors(bvh, Aabb3::Everything()), bvh.size());
+}
+
+TEST(BvhThreadsTest, ShareRefitsAndBuilds) {
+  Spread<AabbView3> spread(1.0f);
+  AabbBvh3 bvh(spread.Objects(40'000));
+  AabbBvh3 same(bvh);
+  const AabbWorld3 bounds = spread.Objects(40'000);
+  const auto run = [](std::size_t count, const auto& part) {
+    std::vector<std::jthread> threads;
+    for (std::size_t t = 0; t < 3; ++t) {
+      threads.emplace_back([=, &part] {
+        for (std::size_t i = t; i < count; i += 3) part(i);
+      });
+    }
+  };
+  const auto are_same = [](const AabbBvh3& a, const AabbBvh3& b) {
+    return std::ranges::equal(a.Blob(), b.Blob());
+  };
+  bvh.Refit(bounds, run);
+  same.Refit(bounds.view());
+  EXPECT_TRUE(are_same(bvh, same));
+  for (BuildQuality quality : {BuildQuality::kHigh, BuildQuality::kFast}) {
+    const AabbBvh3 built(bounds, {.quality = quality, .run = run});
+    EXPECT_TRUE(are_same(built, AabbBvh3(bounds, {.quality = quality})));
+    bvh.Rebuild({.quality = quality, .run = run});
+    same.Rebuild({.quality = quality});
+    EXPECT_TRUE(are_same(bvh, same));
+  }
+}
+
+void RunBackwards(std::size_t count, Runner::Part part) {
+  while (count-- > 0) part(count);
+}
+
+TEST(RunnerTest, CallsAnyFunctionObject) {
+  std::vector<int> calls(5);
+  const auto count_all = [&](const Runner& run) {
+    run(calls.size(), [&](std::size_t i) { ++calls[i]; });
+  };
+  int runs = 0;
+  auto own = [&runs, state = std::make_unique<int>()](std::size_t count,
+                                                      auto part) mutable {
+    *state = ++runs;
+    for (std::size_t i = 0; i < count; ++i) part(i);
+  };
+  const std::function<void(std::size_t, const Runner::Part&)> general =
+      std::ref(own);
+  count_all({});
+  count_all(own);
+  count_all(general);
+  count_all(&RunBackwards);
+  count_all([&runs](std::size_t count, const Runner::Part& part) {
+    ++runs;
+    RunBackwards(count, part);
+  });
+  EXPECT_EQ(calls, std::vector<int>(5, 5));
+  EXPECT_EQ(runs, 3);
+}
+
+// A temporary in the options lives until the constructor returns.
+TEST(RunnerTest, CanBeATemporaryOfTheCall) {
+  const AabbWorld3 world = Spread<AabbView3>(1.0f).Objects(10'000);
+  std::size_t parts = 0;
+  const AabbBvh3 bvh(world,
+                     {.run = [&parts, in_turn = std::function(RunBackwards)](
+                                 std::size_t count, const auto& part) {
+                       parts += count;
+                       in_turn(count, part);
+                     }});
+  EXPECT_GE(parts, 3u);
+  EXPECT_TRUE(std::ranges::equal(bvh.ids(), AabbBvh3(world).ids()));
+}
+
+// The bytes beyond the planes of floats that a BVH of boxes may have,
+// ids and permutation included.
+TEST(BvhMemoryTest, IsAtMostThreeQuartersOfTheFloats) {
+  const AabbWorld3 world = Spread<AabbView3>(1.0f).Objects(200'000);
+  CountingMemory memory;
+  const AabbBvh3 bvh(world, {.memory = memory.resource()});
+  EXPECT_EQ(memory.blocks, 1u);
+  EXPECT_LE(static_cast<double>(bvh.bytes()), 1.75 * 24.0 * 200'000);
+}
+
+// Few objects with great ids take 4.13 bytes for each id below, and ids that
+// grow one by one move the block rarely.
+TEST(BvhMemoryTest, FollowsTheGreatestId) {
+  AabbBvh3 bvh;
+  bvh.InsertAs(Ids{3'000'000, 5}, std::vector<Aabb3>(2));
+  EXPECT_EQ(bvh.id_limit(), 3'000'001u);
+  EXPECT_LE(bvh.bytes(), 3'000'001u * 413 / 100 + 10'000);
+  EXPECT_EQ(bvh.Insert(Aabb3{}), 0u);
+  EXPECT_FALSE(bvh.Has(2'999'999));
+  bvh.Erase(3'000'000);
+  bvh.Rebuild();
+  EXPECT_EQ(bvh.id_limit(), 6u);
+  EXPECT_LE(bvh.bytes(), 10'000u);
+  std::size_t moves = 0;
+  for (std::uint32_t id = 100; id < 20'000; ++id) {
+    const std::uint32_t* const were = bvh.ids().data();
+    bvh.InsertAs({&id, 1}, std::vector<Aabb3>(1));
+    bvh.Erase(id);
+    moves += bvh.ids().data() == were ? 0 : 1;
+  }
+  EXPECT_LE(moves, 20u);
+}
+
+TEST(BvhMemoryTest, CopiesMovesAndSwaps) {
+  const AabbWorld3 world = Spread<AabbView3>(4.0f).Objects(1000);
+  AabbBvh3 first(world);
+  const AabbBvh3 copy(first);
+  const auto is_whole = [&](const AabbBvh3& bvh) {
+    return std::ranges::equal(bvh.Blob(), copy.Blob());
+  };
+  EXPECT_TRUE(is_whole(first));
+  EXPECT_EQ(copy.size(), 1000u);
+  AabbBvh3 second;
+  EXPECT_TRUE(second.empty());
+  EXPECT_EQ(CountSurvivors(second, Aabb3::Everything()), 0u);
+  swap(first, second);
+  EXPECT_TRUE(first.empty() && is_whole(second));
+  first = std::move(second);
+  EXPECT_TRUE(is_whole(first));
+  second = first;
+  EXPECT_TRUE(is_whole(second));
+}
+
+}  // namespace
+}  // namespace halfspace::testing

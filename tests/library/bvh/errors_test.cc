@@ -1,0 +1,583 @@
+// What calls of BVHs refuse, of which nothing is written or changed, and what
+// they do without memory.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <new>
+#include <numeric>
+#include <span>
+#include <stdexcept>
+#include <string_view>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "tests/library/bvh/answers.h"
+#include "tests/library/bvh/spread.h"
+#include "tests/library/support/canaries.h"
+#include "tests/library/support/counting_memory.h"
+#include "tests/library/support/environment.h"
+#include "tests/library/support/expect_invalid.h"
+#include "tests/library/support/fp_modes.h"
+#include "tests/library/support/misaligned.h"
+
+namespace halfspace::testing {
+namespace {
+
+using Boxes3 = Span<const Aabb3>;
+using DoubleBoxes = Span<const Aabb<3, double>>;
+using HalfSpaces = Span<const HalfSpace3>;
+
+struct Refused {
+  std::function<void()> call;
+  std::array<std::string_view, 4> parts;  // of the message
+};
+void ExpectRefused(std::span<const Refused> calls) {
+  for (const auto& [call, parts] : calls) {
+    EXPECT_TRUE(Refuses(call, {parts[0], parts[1], parts[2], parts[3]}))
+        << parts[0];
+  }
+}
+
+// Copies of a world of 100 objects without id 7.
+class BvhErrorsTest : public ::testing::Test {
+ protected:
+  BvhErrorsTest() {
+    bvh_.Erase(7);
+    before_.assign(bvh_.Blob().begin(), bvh_.Blob().end());
+    block_ = bvh_.Blob().data();
+  }
+  ~BvhErrorsTest() override {
+    EXPECT_EQ(bvh_.Blob().data(), block_);
+    EXPECT_TRUE(std::ranges::equal(bvh_.Blob(), before_));
+  }
+
+  // made(null) and made(misaligned) of a list of three elements.
+  template <typename T, typename Made>
+  static void ExpectMemoryRefused(std::string_view call,
+                                  std::string_view argument,
+                                  const std::vector<T>& list,
+                                  const Made& made) {
+    const T* const none = nullptr;
+    EXPECT_TRUE(Refuses([&] { made(Span<const T>(none, 3)); },
+                        {call, argument, "expected memory for 3 elements",
+                         "got a null pointer"}));
+    EXPECT_TRUE(
+        Refuses([&] { made(Span<const T>(Misaligned(list.data()), 3)); },
+                {call, argument, "expected a pointer aligned to ",
+                 "got a misaligned one"}));
+  }
+
+  AabbBvh3 bvh_{Spread<AabbView3>(1.0f).Objects(100)};
+  std::vector<std::byte> before_;
+  const std::byte* block_;
+  const std::vector<Aabb3> two_ = std::vector<Aabb3>(2, Aabb3::Empty());
+  const std::vector<Aabb3> three_ = std::vector<Aabb3>(3, Aabb3::Empty());
+  Ids one_ = Ids(1);
+  Ids three_ids_ = {1, 2, 3};
+};
+
+TEST_F(BvhErrorsTest, OptionsAreChecked) {
+  const AabbWorld3 world = Spread<AabbView3>(1.0f).Objects(100);
+  for (const BuildOptions& options :
+       {BuildOptions{.quality = static_cast<BuildQuality>(2)},
+        BuildOptions{.target = Target::FromHighwayBit(3)}}) {
+    const std::string_view name =
+        options.target == Target() ? "quality" : "target";
+    EXPECT_TRUE(
+        Refuses([&] { AabbBvh3 bad(world, options); }, {"Bvh: ", name}));
+    EXPECT_TRUE(Refuses([&] { bvh_.Rebuild(options); }, {"Bvh: ", name}));
+  }
+  AabbView3 view = world.view();
+  view.max[1] = nullptr;
+  Boxes<3, double> boxes = BoxesOf(std::vector<Aabb<3, double>>(3));
+  boxes.stride = std::numeric_limits<std::size_t>::max() / 8;
+  AabbView<3, double> no_planes;
+  no_planes.size = 3;
+  const Refused calls[] = {
+      {[&] { AabbBvh3 bad(view); }, {"Bvh", "world.max[1]", "null"}},
+      {[&] { AabbBvh3 bad(boxes); }, {"Bvh: ", "bounds.stride"}},
+      {[&] { AabbBvh3 bad(no_planes); },
+       {"Bvh: ", "world.min[0]", "3 elements", "null"}},
+      {[&] { bvh_.Reserve(std::size_t{1} << 31); },
+       {"Reserve", "objects", "2147483648"}}};
+  ExpectRefused(calls);
+}
+
+TEST_F(BvhErrorsTest, ChangesCheckTheirLists) {
+  const Aabb3 box = bvh_.Get(3);
+  const std::vector<Aabb3> by_id(100, Aabb3::Empty());
+  const std::vector<Aabb<3, double>> doubles(2);
+  const Ids with_missing = {3, 7};
+  const std::uint32_t* const no_masks = nullptr;
+  const Refused calls[] = {
+      {[&] { bvh_.Refit(AabbWorld3(two_)); }, {"Refit", "100", "2"}},
+      {[&] { bvh_.Refit(DoubleBoxes(doubles)); }, {"Refit", "100", "2"}},
+      {[&] { bvh_.Refit(with_missing, by_id); }, {"Refit", "id", "7"}},
+      {[&] { bvh_.Refit(one_, two_); }, {"Refit", "bounds", "100", "2"}},
+      {[&] { bvh_.Erase(7); }, {"Erase", "id", "7"}},
+      {[&] { bvh_.Erase(with_missing); }, {"Erase", "id", "7"}},
+      {[&] { bvh_.Set(100, box); }, {"Set", "id", "100"}},
+      {[&] { bvh_.Set(100, doubles[0]); }, {"Set", "id", "100"}},
+      {[&] { bvh_.Set(with_missing, two_); }, {"Set", "id", "7"}},
+      {[&] { bvh_.Set(one_, two_); }, {"Set", "bounds", "1", "2"}},
+      {[&] { bvh_.Set(one_, DoubleBoxes(doubles)); }, {"Set", "1", "2"}},
+      {[&] { bvh_.Insert(two_, one_); }, {"Insert", "ids", "2"}},
+      {[&] { bvh_.Insert(doubles, one_); }, {"Insert", "ids", "2"}},
+      {[&] { bvh_.InsertAs(Ids{7}, two_); }, {"InsertAs", "bounds", "1", "2"}},
+      {[&] { std::ignore = bvh_.Get(7); }, {"Get", "id", "7"}},
+      // An empty list, as an empty vector, changes nothing.
+      {[&] {
+         bvh_.SetMasks({no_masks, 0});
+       },
+       {"Bvh::SetMasks: masks: expected a mask for each id, at least 100, "
+        "got 0"}}};
+  ExpectRefused(calls);
+  const std::tuple<Ids, const char*> wrong_ids[] = {
+      {{7, 200, 3}, "got 3"},
+      {{7, 200, 7}, "got 7 twice"},
+      {{300, 300, 7}, "got 300 twice"},
+      {{99, 7, 8}, "got 99"},
+      {{500, 0xFFFFFFFF, 7}, "got 4294967295"},
+      {{7, 8, 200}, "got 8"}};
+  for (const auto& [ids, given] : wrong_ids) {
+    EXPECT_TRUE(
+        Refuses([&, &its = ids] { bvh_.InsertAs(its, three_); },
+                {"InsertAs", "ids", "below 4294967295, each once", given}));
+  }
+  bvh_.InsertAs({}, std::vector<Aabb3>());
+  EXPECT_TRUE(AabbBvh3(Boxes3(nullptr, 0)).empty());
+  AabbBvh3().SetMasks({no_masks, 0});
+}
+
+TEST_F(BvhErrorsTest, ListsAreInMemory) {
+  const auto expect_all = [&](const auto& bounds) {
+    using Bound = std::decay_t<decltype(bounds[0])>;
+    using List = Span<const Bound>;
+    AabbBvh3 few(three_);
+    Ids ids = {0, 1, 2};
+    ExpectMemoryRefused("Bvh: ", "bounds: ", bounds,
+                        [&](List list) { AabbBvh3 bad(list); });
+    ExpectMemoryRefused("Bvh::Refit: ", "bounds: ", bounds,
+                        [&](List list) { few.Refit(list); });
+    ExpectMemoryRefused("Bvh::RefitInOrder: ", "bounds: ", bounds,
+                        [&](List list) { few.RefitInOrder(list); });
+    ExpectMemoryRefused("Bvh::Set: ", "bounds: ", bounds,
+                        [&](List list) { few.Set(ids, list); });
+    ExpectMemoryRefused("Bvh::Insert: ", "bounds: ", bounds,
+                        [&](List list) { few.Insert(list, ids); });
+    ExpectMemoryRefused("Bvh::InsertAs: ", "ids: ", Ids(4),
+                        [&](Span<const std::uint32_t> given) {
+                          few.InsertAs(given, List(bounds));
+                        });
+  };
+  expect_all(three_);
+  expect_all(std::vector<Aabb<3, double>>(3));
+  ExpectMemoryRefused("Bvh::SetMasks: ", "masks: ", Ids(4),
+                      [&](Span<const std::uint32_t> masks) {
+                        AabbBvh3(three_).SetMasks(masks);
+                      });
+}
+
+TEST_F(BvhErrorsTest, QueriesCheckTheirArguments) {
+  const auto ignore = [](std::uint32_t, float) {};
+  const std::vector<Aabb3> queries(3, Aabb3::Everything());
+  const std::vector<Point3> points(3);
+  const std::vector<HalfSpace3> many(65);
+  std::vector<std::size_t> offsets(3);
+  Ids ids(10);
+  std::vector<float> distances(9);
+  std::vector<Refused> calls = {
+      {[&] { (void)SurvivorsOfEach(bvh_, queries, ids, offsets); },
+       {"SurvivorsOfEach", "offsets", "4", "3"}},
+      {[&] {
+         CountSurvivorsOfEach(bvh_, Boxes3(queries), {offsets.data(), 2});
+       },
+       {"CountSurvivorsOfEach", "counts", "3", "2"}},
+      {[&] { (void)AnySurvivor(bvh_, many); },
+       {"AnySurvivor", "half-spaces", "64", "65"}},
+      {[&] { (void)AnySurvivor(bvh_, HalfSpaces(nullptr, 1)); },
+       {"AnySurvivor", "half-spaces", "null"}},
+      {[&] { (void)KNearest(bvh_, {}, ids, distances); },
+       {"KNearest", "distances", "10", "9"}},
+      {[&] { KNearestOfEach(bvh_, Span<const Point3>(nullptr, 3), 0, {}, {}); },
+       {"KNearestOfEach: queries", "null"}},
+      {[&] {
+         (void)KNearest(bvh_, {},
+                        {static_cast<std::uint32_t*>(nullptr), std::size_t{4}},
+                        {});
+       },
+       {"KNearest", "ids", "null"}},
+      {[&] {
+         BoxCast(bvh_, Aabb3{}, {1, 0, 0}, 1, ignore,
+                 {.target = Target::FromHighwayBit(3)});
+       },
+       {"BoxCast", "options.target", "no target"}}};
+  for (std::size_t k : {0u, 3u, 4u, 10u}) {
+    if (k * 3 == ids.size()) continue;
+    calls.push_back({[&, k] { KNearestOfEach(bvh_, points, k, ids, {}); },
+                     {"KNearestOfEach: ids", "3 queries", "10"}});
+  }
+  for (float bad : {-1.0f, -kInf, kNan}) {
+    calls.insert(
+        calls.end(),
+        {{[&, bad] { ForEachNearest(bvh_, {}, bad, ignore); },
+          {"ForEachNearest", "max_distance"}},
+         {[&, bad] { (void)KNearest(bvh_, {}, ids, {}, bad); },
+          {"KNearest", "max_distance"}},
+         {[&, bad] {
+            RayCast(bvh_, Ray3{{}, {}, bad}, ignore);
+          },
+          {"RayCast", "max_t"}},
+         {[&, bad] {
+            RayCast(bvh_, Ray3{{}, {}, 1}, bad, ignore);
+          },
+          {"RayCast", "radius"}},
+         {[&, bad] {
+            BoxCast(bvh_, Aabb3{}, {1, 0, 0}, bad, ignore);
+          },
+          {"BoxCast", "max_t"}},
+         {[&, bad] {
+            (void)Survivors(bvh_, Sphere3{{0, 0, 0}, bad}, ids);
+          },
+          {"Survivors", "radius"}},
+         {[&, bad] {
+            (void)CountSurvivors(bvh_, Capsule3{{0, 0, 0}, {1, 1, 1}, bad});
+          },
+          {"CountSurvivors", "radius"}}});
+  }
+  ExpectRefused(calls);
+  BoxCast(bvh_, Aabb3{}, {1, 0, 0}, -0.0f, ignore);
+}
+
+// Whatever is wrong, and also where the shapes before it are right.
+TEST_F(BvhErrorsTest, NothingIsWrittenBeforeAllIsChecked) {
+  Canaried<std::uint32_t> canaried_ids;
+  Canaried<std::size_t> canaried_offsets;
+  const Span<std::uint32_t> ids = canaried_ids.Reset(100);
+  const Span<std::size_t> offsets = canaried_offsets.Reset(4);
+  const auto refused = [&](const auto& queries, Span<std::uint32_t> to_ids,
+                           Span<std::size_t> to_offsets,
+                           std::string_view argument, std::string_view given,
+                           const QueryOptions& options = {}) {
+    EXPECT_TRUE(Refuses(
+        [&] {
+          (void)SurvivorsOfEach(bvh_, queries, to_ids, to_offsets, options);
+        },
+        {"SurvivorsOfEach: ", argument, "expected", "got", given}));
+    EXPECT_TRUE(canaried_ids.IntactBut(0)) << argument << ", " << given;
+    EXPECT_TRUE(canaried_offsets.IntactBut(0)) << argument << ", " << given;
+  };
+  const auto queries_refused = [&](const auto& queries,
+                                   std::string_view argument,
+                                   std::string_view given) {
+    refused(queries, ids, offsets, argument, given);
+  };
+  const Sphere3 sphere = {{0, 0, 0}, 100};
+  const Capsule3 capsule = {{0, 0, 0}, {1, 1, 1}, 100};
+  for (float radius : {-1.0f, kNan}) {
+    const char* const given = radius < 0 ? "-1" : "nan";
+    queries_refused(std::array{sphere, Sphere3{{}, radius}}, "radius", given);
+    queries_refused(std::array{capsule, capsule, Capsule3{{}, {}, radius}},
+                    "radius", given);
+  }
+  const std::vector<HalfSpace3> many(65);
+  const HalfSpace3* const none = nullptr;
+  for (const auto& [bad, given] :
+       {std::pair{HalfSpaces(many), "65"},
+        std::pair{HalfSpaces(none, 1), "null"},
+        std::pair{HalfSpaces(Misaligned(many.data()), 1), "misaligned"}}) {
+    queries_refused(std::array{HalfSpaces(), HalfSpaces(many.data(), 1), bad},
+                    "half-spaces", given);
+  }
+  const auto lists_refused = [&](const auto& queries) {
+    using Query = std::decay_t<decltype(queries[0])>;
+    const Span<const Query> good(queries);
+    const Query* const no_queries = nullptr;
+    queries_refused(Span<const Query>(no_queries, 3), "queries", "null");
+    queries_refused(Span<const Query>(Misaligned(queries.data()), 2), "queries",
+                    "misaligned");
+    std::uint32_t* const no_ids = nullptr;
+    refused(good, {no_ids, 9}, offsets, "ids", "null");
+    refused(good, {Misaligned(ids.data()), 9}, offsets, "ids", "misaligned");
+    std::size_t* const no_offsets = nullptr;
+    refused(good, ids, {no_offsets, 4}, "offsets", "null");
+    refused(good, ids, {Misaligned(offsets.data()), 4}, "offsets",
+            "misaligned");
+    refused(good, ids, {offsets.data(), 3}, "offsets", "3");
+    refused(good, ids, offsets, "options.target", "no target",
+            {.target = Target::FromHighwayBit(3)});
+  };
+  lists_refused(std::array{sphere, sphere, sphere});
+  lists_refused(std::array{HalfSpaces(), HalfSpaces(), HalfSpaces()});
+  lists_refused(three_);
+  // Aligned to its floats is not enough for a list of lists.
+  const std::array<HalfSpaces, 3> lists;
+  const auto* const shifted = reinterpret_cast<const HalfSpaces*>(
+      reinterpret_cast<const float*>(lists.data()) + 1);
+  queries_refused(Span<const HalfSpaces>(shifted, 2), "queries", "misaligned");
+}
+
+TEST_F(BvhErrorsTest, PairsCheckTheirArguments) {
+  constexpr IdPair kCanary{0xABABABAB, 0xCDCDCDCD};
+  std::vector<IdPair> pairs(10, kCanary);
+  const auto refuses = [&](Span<const std::uint32_t> ids,
+                           std::string_view expected, std::string_view given,
+                           const PairOptions& options = {}) {
+    const auto refused = [&](std::string_view name, const auto& call) {
+      EXPECT_TRUE(Refuses(call, {name, ": ", expected, "got", given}));
+    };
+    refused("PairsOf", [&] { (void)PairsOf(bvh_, ids, pairs, options); });
+    refused("ForEachPairOf", [&] {
+      ForEachPairOf(
+          bvh_, ids, [](Span<const IdPair>) { FAIL(); }, options);
+    });
+  };
+  const std::string_view in_world = "ids[1]: expected the id of an object";
+  refuses(Ids{1, 100}, in_world, "100");
+  refuses(Ids{1, 0xFFFFFFFF}, in_world, "4294967295");
+  refuses(Ids{1, 7}, in_world, "7");
+  const Ids& ids = three_ids_;
+  refuses({static_cast<const std::uint32_t*>(nullptr), 3},
+          "ids: expected memory for 3 elements", "a null pointer");
+  refuses({Misaligned(ids.data()), 2}, "ids: expected a pointer aligned",
+          "a misaligned one");
+  refuses(ids, "options.target", "no target",
+          {.target = Target::FromHighwayBit(3)});
+  for (float margin : {-1.0f, kInf, kNan}) {
+    refuses(ids, "options.margin: expected a finite number", "",
+            {.margin = margin});
+  }
+  const Ids masks(4, 1);
+  refuses(ids, "options.wanted: expected 3 masks", "4", {.wanted = masks});
+  refuses(ids, "options.wanted: expected 3 masks", "a null pointer",
+          {.wanted = {static_cast<const std::uint32_t*>(nullptr), 3}});
+  refuses(ids, "options.wanted: expected a pointer aligned", "a misaligned one",
+          {.wanted = {Misaligned(masks.data()), 3}});
+  IdPair* const none = nullptr;
+  const Refused calls[] = {
+      {[&] { (void)Pairs(bvh_, pairs, {.wanted = masks}); },
+       {"Pairs", "options.wanted: expected no masks", "got", "4"}},
+      {[&] { (void)Pairs(bvh_, Span<IdPair>(none, 10)); },
+       {"Pairs", "pairs", "10 pairs", "null"}},
+      {[&] {
+         (void)PairsOf(bvh_, ids, {Misaligned(pairs.data()), 9});
+       },
+       {"PairsOf", "pairs", "aligned", "misaligned"}}};
+  ExpectRefused(calls);
+  EXPECT_EQ(std::count(pairs.begin(), pairs.end(), kCanary), 10);
+}
+
+TEST(RejectShapesErrorsTest, RefuseWhatIsWrong) {
+  const AabbWorld3 world = Spread<AabbView3>(4.0f).Objects(100);
+  const std::vector<HalfSpace3> many(65);
+  Canaried<std::uint32_t> canaried_ids;
+  Canaried<std::uint64_t> canaried_mask;
+  const Span<std::uint32_t> ids = canaried_ids.Reset(100);
+  const Span<std::uint64_t> mask = canaried_mask.Reset(2);
+  for (const auto& [bad, given] :
+       {std::pair{HalfSpaces(many), "65"},
+        std::pair{HalfSpaces(nullptr, 1), "null"},
+        std::pair{HalfSpaces(Misaligned(many.data()), 1), "misaligned"}}) {
+    const HalfSpaces its = bad;
+    const Refused calls[] = {{[&] { (void)Survivors(world, its, ids); },
+                              {"Survivors", "half-spaces", given}},
+                             {[&] { (void)CountSurvivors(world, its); },
+                              {"CountSurvivors", "half-spaces", given}},
+                             {[&] { (void)AnySurvivor(world, its); },
+                              {"AnySurvivor", "half-spaces", given}},
+                             {[&] { SurvivorMask(world, its, mask); },
+                              {"SurvivorMask", "half-spaces", given}}};
+    ExpectRefused(calls);
+  }
+  // What all calls of reject.h refuse.
+  const HalfSpaces one(many.data(), 1);
+  AabbView3 no_planes = world.view();
+  no_planes.max[1] = nullptr;
+  const Refused calls[] = {
+      {[&] {
+         SurvivorMask(world, one, {mask.data(), 1});
+       },
+       {"SurvivorMask", "mask", "at least 2 words", "got 1"}},
+      {[&] {
+         (void)Survivors(world, one, ids, {.range = {2, 1}});
+       },
+       {"Survivors", "options.range.end"}},
+      {[&] { (void)CountSurvivors(no_planes, one); },
+       {"CountSurvivors", "world.max[1]", "null"}}};
+  ExpectRefused(calls);
+  EXPECT_TRUE(canaried_ids.IntactBut(0));
+  EXPECT_TRUE(canaried_mask.IntactBut(0));
+}
+
+// Planes of one value, no numbers, and all that there is.
+TEST(BvhFpModesTest, MakingAndChangingAWorldNeverTrap) {
+  AabbWorld3 world;
+  for (int i = 0; i < 200; ++i) {
+    const auto x = static_cast<float>(i);
+    world.Push({{x, 0.0f, 1e-40f}, {x + 1.0f, 0.0f, 3e38f}});
+  }
+  world.Push(Aabb3::Empty());
+  world.Push(Aabb3::Everything());
+  for (BuildQuality quality : {BuildQuality::kHigh, BuildQuality::kFast}) {
+    const TrapExceptions traps;
+    AabbBvh3 bvh(world, {.quality = quality});
+    AabbBvh3 of_doubles(AabbWorld<3, double>(
+        std::vector<Aabb<3, double>>(200, {{1e-310, -1e300, 0.1}, {}})));
+    of_doubles.Insert(Aabb<3, double>::Everything());
+    EXPECT_TRUE(traps.IsUntouched());
+    // And changing it neither, to the next sorts of the newest and of all.
+    for (std::uint32_t i = 0; i < 700; ++i) {
+      bvh.Insert(world.Get(i % world.size()));
+      bvh.Set(i % 100, world.Get((i + 1) % world.size()));
+      if (i % 4 == 0 && bvh.Has(100 + i)) bvh.Erase(100 + i);
+    }
+    bvh.RebuildPartial(4096);
+    bvh.Refit(std::vector<Aabb3>(1000, world.Get(7)));
+    bvh.SetMasks(Ids(1000, 3));
+    for (std::uint32_t id = 0; id < 800; ++id) {
+      if (bvh.Has(id)) bvh.Erase(id);
+    }
+    (void)bvh.CostRatio();
+    bvh.Rebuild({.quality = quality});
+    EXPECT_TRUE(traps.IsUntouched());
+  }
+}
+
+// More than are changed one by one.
+Ids TenIds() {
+  Ids ids(10);
+  std::iota(ids.begin(), ids.end(), 3);
+  return ids;
+}
+
+// Each change, with less memory than it needs, of a world that owns its block
+// and of a blob in place. What was taken from the world stays valid.
+TEST(BvhChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
+  using Change = void (*)(AabbBvh3&);
+  constexpr Change kChanges[] = {
+      [](AabbBvh3& world) { world.Set(3, Aabb3::Everything()); },
+      [](AabbBvh3& world) { world.Insert(Aabb3::Everything()); },
+      [](AabbBvh3& world) { world.Erase(3); },
+      [](AabbBvh3& world) { world.Reserve(20'000); },
+      [](AabbBvh3& world) {
+        world.Set(TenIds(), std::vector(10, Aabb3::Everything()));
+      },
+      [](AabbBvh3& world) {
+        world.Refit(TenIds(), std::vector(9256, Aabb3::Everything()));
+      },
+      [](AabbBvh3& world) { world.Erase(TenIds()); },
+      [](AabbBvh3& world) {
+        Ids ids(300);
+        world.Insert(std::vector(300, Aabb3::Everything()), ids);
+      },
+      [](AabbBvh3& world) {
+        world.Set(TenIds(), std::vector(10, Aabb<3, double>::Everything()));
+      },
+      [](AabbBvh3& world) {
+        Ids ids(300);
+        world.Insert(std::vector(300, Aabb<3, double>::Everything()), ids);
+      },
+      [](AabbBvh3& world) {
+        world.Refit(std::vector(9256, Aabb<3, double>::Everything()));
+      },
+      [](AabbBvh3& world) {
+        world.InsertAs(Ids{10'000, 9999}, std::vector<Aabb3>(2));
+      },
+      [](AabbBvh3& world) {
+        Ids ids(300);
+        std::iota(ids.begin(), ids.end(), 50'000);
+        world.InsertAs(ids, std::vector(300, Aabb<3, double>::Everything()));
+      },
+      [](AabbBvh3& world) { world.SetMasks(3, 1); },
+      [](AabbBvh3& world) { world.SetMasks(Ids(9256)); },
+      [](AabbBvh3& world) { world.Rebuild(); },
+      [](AabbBvh3& world) { world.RebuildPartial(9000); }};
+  CountingMemory memory;
+  Spread<AabbView3> spread(2.0f);
+  AabbBvh3 first(spread.Objects(9000), {.memory = memory.resource()});
+  const AabbWorld3 moved = spread.Objects(9000);
+  first.Refit(moved.view());  // so that there is something to sort
+  // As many insertions as are due to be sorted.
+  for (std::uint32_t i = 0; i < 256; ++i) first.Insert(moved.Get(i));
+  const auto blob = first.Blob();
+  for (bool is_in_place : {false, true}) {
+    for (Change change : kChanges) {
+      bool is_done = false;
+      for (std::size_t left = 0; !is_done; ++left) {
+        AabbBvh3 world = is_in_place
+                             ? AabbBvh3::InPlace(blob, memory.resource())
+                             : AabbBvh3(first, memory.resource());
+        const std::byte* const block = world.Blob().data();
+        memory.left = left;
+        try {
+          change(world);
+          is_done = true;
+        } catch (const std::bad_alloc&) {
+          memory.left = CountingMemory::kNoLimit;
+          ASSERT_EQ(world.Blob().data(), block);
+          ASSERT_TRUE(std::ranges::equal(world.Blob(), blob));
+        }
+        memory.left = CountingMemory::kNoLimit;
+      }
+    }
+  }
+}
+
+// What a set takes comes from the world's resource. Without memory nothing is
+// written and no function is called.
+TEST(BvhPairsMemoryTest, OnlySetsThatAreSearchedOrLargeTakeMemory) {
+  constexpr IdPair kCanary{0xABABABAB, 0xCDCDCDCD};
+  for (Failure failure : {Failure::kThrows, Failure::kReturnsNull}) {
+    CountingMemory memory(failure);
+    AabbBvh3 world(Spread<AabbView3>(4.0f).Objects(30000).view(),
+                   {.memory = memory.resource()});
+    for (bool is_changed : {false, true}) {
+      if (is_changed) world.Set(5, Aabb3::Everything());
+      for (std::uint32_t count : {3u, 63u, 200u}) {
+        Ids ids(count);
+        std::iota(ids.begin(), ids.end(), 0);
+        const Ids wanted(count, 1);
+        std::vector<IdPair> pairs(1000, kCanary);
+        std::size_t calls = 0;
+        const auto function = [&](Span<const IdPair>) { ++calls; };
+        for (const PairOptions& options :
+             {PairOptions(), PairOptions{.wanted = wanted}}) {
+          const std::size_t before = memory.allocations;
+          EXPECT_GT(PairsOf(world, ids, Span<IdPair>(), options), 0u);
+          const std::size_t taken = memory.allocations - before;
+          EXPECT_EQ(taken == 0, is_changed && count < 64) << count;
+          EXPECT_EQ(memory.blocks, 1u);
+          for (std::size_t left = 0; left < taken; ++left) {
+            memory.left = left;
+            EXPECT_THROW((void)PairsOf(world, ids, pairs, options),
+                         std::bad_alloc);
+            memory.left = left;
+            EXPECT_THROW(ForEachPairOf(world, ids, function, options),
+                         std::bad_alloc);
+          }
+          EXPECT_EQ(std::count(pairs.begin(), pairs.end(), kCanary), 1000);
+          EXPECT_EQ(calls, 0u);
+          // Before anything is allocated.
+          memory.left = 0;
+          EXPECT_THROW((void)PairsOf(world, Ids{1, 30000}, pairs),
+                       std::invalid_argument);
+          memory.left = CountingMemory::kNoLimit;
+        }
+        memory.left = 0;
+        ForEachPair(world, function);
+        EXPECT_GT(calls, 0u);
+        memory.left = CountingMemory::kNoLimit;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace halfspace::testing

@@ -1,0 +1,130 @@
+// Histories of BVHs: changes of every kind, of a BVH, its copies and a list of
+// its objects, which choices decide. These come from random numbers or from the
+// bytes of a fuzzer.
+#ifndef HALFSPACE_TESTS_LIBRARY_BVH_HISTORY_H_
+#define HALFSPACE_TESTS_LIBRARY_BVH_HISTORY_H_
+
+#include <cfenv>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "tests/library/bvh/aligned_copy.h"
+#include "tests/library/bvh/answers.h"
+#include "tests/library/support/fp_modes.h"
+
+namespace halfspace::testing {
+
+class Choices {
+ public:
+  virtual ~Choices() = default;
+  virtual std::size_t Below(std::size_t end) = 0;  // at most 2^16
+  virtual Planes Next() = 0;
+  virtual Planes Moved(const Planes& bound) = 0;
+  virtual BodyMasks Masks() = 0;
+};
+
+// Bounds of every kind: small ones that move, and each that is special. A
+// search may trap on subnormals, which `may_trap` leaves out.
+class RandomChoices final : public Choices {
+ public:
+  RandomChoices(const Layout& layout, std::uint64_t seed,
+                bool may_trap = false);
+  std::size_t Below(std::size_t end) override { return random_() % end; }
+  Planes Next() override;
+  // By up to a quarter of a small bound's size, or somewhere else.
+  Planes Moved(const Planes& bound) override;
+  BodyMasks Masks() override;
+  Random& random() { return random_; }
+
+ private:
+  Layout layout_;
+  bool may_trap_;
+  Random random_;
+  Spheres small_;
+  Spheres large_;
+  Planes coincident_;
+};
+
+// The floating-point mode of the caller.
+enum class FpMode { kDefault, kTraps, kFlushes, kUpward, kDownward, kToZero };
+inline constexpr FpMode kFpModes[] = {FpMode::kDefault,  FpMode::kTraps,
+                                      FpMode::kFlushes,  FpMode::kUpward,
+                                      FpMode::kDownward, FpMode::kToZero};
+
+template <typename Call>
+void RunIn(FpMode mode, const Call& call) {
+  if (mode == FpMode::kTraps) {
+    const TrapExceptions traps;
+    call();
+  } else if (mode == FpMode::kFlushes) {
+    const FlushDenormals flush;
+    call();
+  } else {
+    const RoundingMode rounding(mode == FpMode::kUpward     ? FE_UPWARD
+                                : mode == FpMode::kDownward ? FE_DOWNWARD
+                                : mode == FpMode::kToZero   ? FE_TOWARDZERO
+                                                            : FE_TONEAREST);
+    call();
+  }
+}
+
+// Doubles that are rounded outward to these floats.
+BoundList InDoubles(const Layout& layout, std::vector<Planes> floats);
+
+class BvhHistory {
+ public:
+  // Lists have up to `most` objects.
+  BvhHistory(const Layout& layout, Choices& choices, std::size_t size,
+             std::size_t most, FpMode mode);
+
+  const AnyBvh& bvh() const { return *all_[0]; }
+  const Objects& objects() const { return objects_; }
+
+  // One change. Returns its number, for messages.
+  std::size_t Change();
+  // Each BVH has the objects and their order, and the first answers as a list
+  // of them.
+  void ExpectIsModel(const HowToAsk& how, Random& random) const;
+  // The ids of objects that came, went or moved since the last call.
+  Ids TakeChanged();
+
+ private:
+  template <typename Call>
+  void Each(const Call& call) {
+    for (auto& bvh : all_) RunIn(mode_, [&] { call(*bvh); });
+  }
+  BoundList Bounds(std::size_t count);
+  std::uint32_t AnyId();
+  Ids AnyIds(std::size_t count);
+  void Insert(std::size_t count, bool is_list);
+  void InsertAs(std::size_t count);
+  void Erase(std::size_t count, bool is_list);
+  void Set(std::size_t count, std::size_t how);
+  void RefitAll();
+  void SetMasks(std::size_t count);
+  void ReserveOrClear(std::size_t count);
+  void CopyOrLoad();
+  void RefuseLists(std::size_t count);
+  void Has(std::uint32_t id, const Planes& bound);
+
+  // A BVH of a blob in place, whose bytes no change may write.
+  struct Blob {
+    std::unique_ptr<AlignedCopy> bytes;
+    std::vector<std::byte> untouched;
+  };
+
+  Layout layout_;
+  Choices& choices_;
+  std::size_t most_;
+  FpMode mode_;
+  std::vector<Blob> blobs_;
+  std::vector<std::unique_ptr<AnyBvh>> all_;  // the first, and a copy of it
+  Objects objects_;
+  Ids changed_;
+};
+
+}  // namespace halfspace::testing
+
+#endif  // HALFSPACE_TESTS_LIBRARY_BVH_HISTORY_H_

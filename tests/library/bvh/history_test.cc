@@ -1,0 +1,48 @@
+// A BVH that changes answers as a list of its objects does, after any history.
+#include "tests/library/bvh/history.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "tests/library/support/environment.h"
+
+namespace halfspace::testing {
+namespace {
+
+class BvhChangesTest : public ::testing::TestWithParam<Layout> {};
+INSTANTIATE_TEST_SUITE_P(Of, BvhChangesTest,
+                         ::testing::ValuesIn(LayoutsOf(false)), LayoutName());
+
+TEST_P(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
+  const std::vector<Target> targets = TargetsUnderTest();
+  const std::size_t rounds = std::max<std::size_t>(4, Scaled(12));
+  for (std::size_t round = 0; round < rounds; ++round) {
+    RandomChoices choices(GetParam(), round);
+    Random random(round);
+    // Few objects, whose pairs are all compared, and thousands.
+    const bool is_large = round % 4 == 1;
+    const std::size_t most = is_large ? 9000 : 400;
+    BvhHistory history(GetParam(), choices,
+                       round % 3 == 0 ? 0 : choices.Below(most),
+                       is_large ? 3000 : 300, kFpModes[round % 6]);
+    for (std::size_t step = 0; step < 10 + Scaled(30); ++step) {
+      const std::size_t what = history.Change();
+      constexpr std::uint32_t kMasks[] = {0xFFFFFFFF, 0xFFFFFFFF, 1, 6};
+      history.ExpectIsModel({.target = targets[random() % targets.size()],
+                             .mask = kMasks[random() % 4],
+                             .is_special = random() % 8 == 0,
+                             .shapes = 2},
+                            random);
+      if (HasFailure()) {
+        FAIL() << "round " << round << ", step " << step << ", " << what;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace halfspace::testing

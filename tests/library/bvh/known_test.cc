@@ -1,0 +1,377 @@
+// BVHs whose answers a reader can check, and what functions of calls may do.
+#include <gtest/gtest.h>
+
+#if defined(__SSE2__)
+#include <xmmintrin.h>
+#endif
+
+#include <algorithm>
+#include <cfenv>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "tests/library/bvh/answers.h"
+#include "tests/library/bvh/spread.h"
+#include "tests/library/support/environment.h"
+#include "tests/library/support/fp_modes.h"
+
+namespace halfspace::testing {
+namespace {
+
+// The first survivors are told before a second leaf is read, and statistics say
+// so. One query adds to what another one counted.
+TEST(BvhKnownTest, TellsTheFirstLeafAtOnce) {
+  const Aabb3 all = Aabb3::Everything();
+  for (std::size_t size : {64u, 4000u, 20'000u}) {
+    const AabbBvh3 bvh(Spread<AabbView3>(1.0f).Objects(size));
+    const std::size_t leaves = (size + 63) / 64;
+    for (Target target : TargetsUnderTest()) {
+      QueryStatistics read;
+      const QueryOptions options = {.target = target, .statistics = &read};
+      EXPECT_TRUE(AnySurvivor(bvh, all, options).has_value());
+      EXPECT_EQ(read.leaves, 1u);
+      ForEachSurvivor(
+          bvh, all,
+          [](Span<const std::uint32_t> ids) {
+            EXPECT_LE(ids.size(), 64u);
+            return Visit::kStop;
+          },
+          options);
+      EXPECT_EQ(read.leaves, 2u);
+      Ids ids(size);
+      EXPECT_EQ(Survivors(bvh, all, ids, options), size);
+      EXPECT_EQ(read.leaves, 2 + leaves);
+      read = {};
+      EXPECT_EQ(Survivors(bvh, Aabb3::Empty(), ids, options), 0u);
+      EXPECT_EQ(read.node_blocks + read.leaves, 1u);
+    }
+  }
+}
+
+// Also where the codes of all objects are the query's and floats tell.
+TEST(BvhKnownTest, TheFirstLeafIsReadAloneIfItsCodesAreUnsure) {
+  const std::vector<Aabb3> boxes(10'000, Aabb3{{1, 1, 1}, {1, 1, 1}});
+  const AabbBvh3 bvh(boxes);
+  for (Target target : TargetsUnderTest()) {
+    QueryStatistics read;
+    EXPECT_TRUE(
+        AnySurvivor(bvh, boxes[0], {.target = target, .statistics = &read})
+            .has_value());
+    EXPECT_EQ(read.leaves, 1u) << target.name();
+  }
+}
+
+// Three levels: the root learns of masks that change no bound.
+TEST(BvhKnownTest, AMaskIsKnownAtTheRoot) {
+  AabbBvh3 bvh(Spread<AabbView3>(1.0f).Objects(9000));
+  bvh.SetMasks(Ids(9000, 1));
+  bvh.SetMasks(7, 2);
+  EXPECT_EQ(CountSurvivors(bvh, Aabb3::Everything(), {.mask = 2}), 1u);
+  bvh.Erase(7);
+  EXPECT_EQ(CountSurvivors(bvh, Aabb3::Everything(), {.mask = 2}), 0u);
+}
+
+// Its block has a level of nodes for the others. asan sees what a change of a
+// list writes behind its scratch memory.
+TEST(BvhKnownTest, FewObjectsWithRoomForManyChangeAsAList) {
+  const AabbWorld3 world = Spread<AabbView3>(4.0f).Objects(10);
+  AabbBvh3 bvh(world.view());
+  bvh.Reserve(1000);
+  Ids ids;
+  std::vector<Aabb3> bounds;
+  for (std::uint32_t id = 0; id < 10; ++id) {
+    ids.push_back(9 - id);
+    bounds.push_back(world.Get(id));
+  }
+  bvh.Set(ids, bounds);
+  for (std::uint32_t id = 0; id < 10; ++id) {
+    EXPECT_EQ(bvh.Get(9 - id), bounds[id]);
+  }
+}
+
+// What is far from a diagonal segment is rejected, though its bound is not; and
+// what is in a corner of a sphere's.
+TEST(BvhKnownTest, ShapesRejectWhatTheirBoundsKeep) {
+  AabbWorld3 world;
+  world.Push({{0, 0, 0}, {1, 1, 1}});
+  world.Push({{9, 0, 0}, {10, 1, 1}});
+  world.Push({{9, 9, 9}, {10, 10, 10}});
+  world.Push({{5.6f, 5.1f, 5.1f}, {6, 6, 5.5f}});
+  const AabbBvh3 bvh(world);
+  const auto found = [&](const auto& shape) {
+    Ids ids(4);
+    ids.resize(Survivors(bvh, shape, ids));
+    return InOrder(ids);
+  };
+  EXPECT_EQ(found(Segment3{{0, 0, 0}, {10, 10, 10}}), (Ids{0, 2}));
+  EXPECT_EQ(found(Capsule3{{0, 0, 0}, {10, 10, 10}, 0.5f}), (Ids{0, 2, 3}));
+  EXPECT_EQ(found(Sphere3{{10, 10, 10}, 4.0f}), (Ids{2}));
+  EXPECT_EQ(found(Sphere3{{10, 10, 10}, 9.0f}), (Ids{2, 3}));
+  const HalfSpace3 half_spaces[] = {{{1, 0, 0}, -6}, {{0, -1, 0}, 6}};
+  EXPECT_EQ(found(half_spaces), (Ids{1, 3}));
+  EXPECT_EQ(found(Span<const HalfSpace3>(half_spaces)), (Ids{1, 3}));
+  EXPECT_EQ(found(std::vector<HalfSpace3>()), (Ids{0, 1, 2, 3}));
+  EXPECT_EQ(found(Point3{10, 1, 0.5f}), Ids{1});
+  EXPECT_EQ(found(Point3{10, 1.0001f, 0.5f}), Ids{});
+  // Turned by 45 degrees about z; its corner (9.9, 5) is beside object 3.
+  const float h = 3.5f;
+  OrientedBox3 box = {{4.9f, 5, 5}, {{{1, 1, 0}, {-1, 1, 0}, {0, 0, 1}}}, {}};
+  box.half_extents = {h, h, 1};
+  EXPECT_EQ(found(box), Ids{3});
+  box.center = {0, 10, 5};
+  EXPECT_EQ(found(box), Ids{});  // though object 3 is in its bound
+  box.half_extents = {h, h, kNan};
+  EXPECT_EQ(found(box), (Ids{0, 1, 2, 3}));
+  // While the radius has a square.
+  const Point3 corner = {0x1.4p63f, 0x1.4p63f, 0x1.4p63f};
+  const std::vector<Aabb3> bounds = {{corner, corner}, {{}, corner}};
+  const AabbBvh3 large(bounds);
+  EXPECT_EQ(CountSurvivors(large, Sphere3{{}, 0x1.8p63f}), 1u);
+  EXPECT_EQ(CountSurvivors(large, Sphere3{{}, 0x1.2p64f}), 2u);
+}
+
+TEST(BvhKnownTest, Distances) {
+  AabbWorld3 world;
+  world.Push({{0, 0, 0}, {1, 1, 1}});
+  world.Push({{5, 0, 0}, {6, 1, 1}});
+  world.Push({{-4, -5, 0}, {-3, -4, 1}});
+  const AabbBvh3 bvh(world);
+  Ids ids(3);
+  std::vector<float> distances(3);
+  ASSERT_EQ(KNearest(bvh, {0, 0, 0.5f}, ids, distances), 3u);
+  EXPECT_EQ(ids, (Ids{0, 1, 2}));
+  EXPECT_EQ(distances, (std::vector<float>{0, 5, 5}));
+  EXPECT_EQ(KNearest(bvh, {0, 0, 0}, ids, {}, 4.9f), 1u);
+  std::vector<float> entries;
+  RayCast(bvh, Ray3{{0.5f, 0.5f, 0.5f}, {2, 0, 0}, kInf},
+          [&](std::uint32_t, float t) { entries.push_back(t); });
+  ASSERT_EQ(entries.size(), 2u);
+  EXPECT_EQ(entries[0], 0.0f);
+  EXPECT_NEAR(entries[1], 2.25f, 1e-5f);
+  EXPECT_LE(entries[1], 2.25f);
+}
+
+TEST(BvhKnownTest, BoxCasts) {
+  AabbWorld3 world;
+  world.Push({{10, 0, 0}, {11, 1, 1}});
+  world.Push({{10, 3, 0}, {11, 4, 1}});
+  world.Push({{0, 0, 0}, {1, 1, 1}});
+  const AabbBvh3 bvh(world);
+  const auto hits = [&](const Aabb3& box, float max_t) {
+    std::map<std::uint32_t, float> found;
+    BoxCast(bvh, box, {2, 0, 0}, max_t,
+            [&](std::uint32_t id, float t) { found[id] = t; });
+    return found;
+  };
+  const auto found = hits({{0, 0, 0}, {2, 2, 1}}, 100);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found.at(2), 0.0f);
+  EXPECT_NEAR(found.at(0), 4.0f, 1e-4f);
+  EXPECT_LE(found.at(0), 4.0f);
+  EXPECT_EQ(hits({{0, 0, 0}, {2, 3, 1}}, 100).size(), 3u);
+  EXPECT_EQ(hits({{0, 0, 0}, {2, 3, 1}}, 3.9f).size(), 1u);
+  EXPECT_EQ(hits(Aabb3::Empty(), 100).size(), 0u);
+  EXPECT_EQ(hits({{0, 1, 0}, {1, 0, 1}}, 100).size(), 0u);
+  // A NaN limits nothing on its axis.
+  EXPECT_EQ(hits({{kNan, 0, 0}, {2, 2, 1}}, 0).size(), 2u);
+  EXPECT_EQ(hits({{0, 0, 0}, {kNan, 2, 1}}, 0).size(), 2u);
+}
+
+// The function runs in the caller's floating-point mode, and may change it. Its
+// exceptions end the call.
+TEST(BvhKnownTest, RunsTheFunctionInTheCallersMode) {
+  const AabbBvh3 bvh(Spread<AabbView3>(4.0f).Objects(2000));
+  const Ray3 ray = {{-60, -50, -50}, {1, 1, 1}, 100};
+  std::vector<float> expected;
+  RayCast(bvh, ray, [&](std::uint32_t, float t) { expected.push_back(t); });
+  ASSERT_GT(expected.size(), 4u);
+  for (int mode : {FE_TONEAREST, FE_UPWARD, FE_DOWNWARD}) {
+    const RoundingMode rounding(mode);
+    std::vector<float> found;
+    bool is_callers = true;
+    int next = mode;
+    RayCast(bvh, ray, [&](std::uint32_t, float t) {
+      is_callers = is_callers && std::fegetround() == next;
+      found.push_back(t);
+      next = found.size() % 2 == 0 ? mode : FE_TOWARDZERO;
+      std::fesetround(next);
+    });
+    EXPECT_TRUE(is_callers);
+    EXPECT_EQ(std::fegetround(), next);
+    EXPECT_EQ(found, expected);
+    std::fesetround(mode);
+    std::size_t calls = 0;
+    EXPECT_THROW(RayCast(bvh, ray,
+                         [&](std::uint32_t, float) {
+                           if (++calls == 3) throw calls;
+                         }),
+                 std::size_t);
+    EXPECT_EQ(calls, 3u);
+    EXPECT_EQ(std::fegetround(), mode);
+  }
+}
+
+// A function may return nothing, a bool, a Visit, or a Limit, and take the
+// bound or not.
+TEST(BvhKnownTest, FunctionsSayWhetherACallGoesOn) {
+  const std::vector<Aabb3> boxes(1000, Aabb3{{0, 0, 0}, {1, 1, 1}});
+  const AabbBvh3 bvh(boxes);
+  const auto expect_stops = [](const auto& call) {
+    std::size_t calls = 0;
+    call(
+        [&](auto...) { return ++calls < 3 ? Visit::kContinue : Visit::kStop; });
+    EXPECT_EQ(calls, 3u);
+    calls = 0;
+    call([&](auto...) { return ++calls < 2; });
+    EXPECT_EQ(calls, 2u);
+  };
+  const Ray3 ray{{0, 0, 0}, {1, 0, 0}, 1};
+  expect_stops([&](auto function) {
+    ForEachSurvivor(bvh, Aabb3::Everything(), function);
+  });
+  expect_stops([&](auto function) { ForEachPair(bvh, function); });
+  expect_stops([&](auto function) {
+    ForEachNearest(bvh, {0, 0, 0}, 1,
+                   [&](std::uint32_t id, float) { return function(id); });
+  });
+  expect_stops([&](auto function) {
+    RayCast(bvh, ray, [&](std::uint32_t, float, const Aabb3& bound) {
+      EXPECT_EQ(bound, boxes[0]);
+      return function(bound);
+    });
+  });
+}
+
+// Sets in a world of more blocks than the sets have room for: near each other,
+// far apart, and at distances that are powers of two.
+TEST(BvhPairsTest, OfSetsAmongManyAreThoseOfAllPairsThatTouchTheSet) {
+  const AabbWorld3 world = Spread<AabbView3>(1.5f).Objects(64 * 1024);
+  AabbBvh3 bvh(world, {.quality = BuildQuality::kFast});
+  std::vector<IdPair> all(Pairs(bvh, Span<IdPair>()));
+  ASSERT_EQ(Pairs(bvh, all), all.size());
+  for (bool has_slots : {false, true}) {
+    if (has_slots) bvh.Set(0, bvh.Get(0));
+    for (std::size_t step : {1u, 64u, 4160u, 8192u, 16384u}) {
+      for (std::size_t size : {2u, 5u, 63u, 64u, 200u}) {
+        Ids ids;
+        for (std::size_t s = 0; s < bvh.ids().size() && ids.size() < size;
+             s += step) {
+          ids.push_back(bvh.ids()[s]);
+        }
+        std::vector<bool> is_in(world.size());
+        for (std::uint32_t id : ids) is_in[id] = true;
+        std::vector<IdPair> expected;
+        for (const IdPair& pair : all) {
+          if (is_in[pair.a] || is_in[pair.b]) expected.push_back(pair);
+        }
+        std::vector<IdPair> got(expected.size());
+        ASSERT_EQ(PairsOf(bvh, ids, got), got.size()) << step << ' ' << size;
+        ASSERT_EQ(InOrder(got, true), InOrder(expected, true));
+      }
+    }
+  }
+}
+
+// Results that are flushed to zero, but not what is read: a bound of a block
+// may not lose a subnormal that compares see.
+#if defined(__SSE2__)
+TEST(BvhPairsTest, SubnormalResultsMayBeFlushed) {
+  const AabbBvh3 a(std::vector<Aabb3>{{{-1e-40f, 0, 0}, {1, 1, 1}}});
+  const AabbBvh3 b(std::vector<Aabb3>{{{-2, 0, 0}, {-0.5e-40f, 1, 1}}});
+  const AabbBvh3 c(std::vector<Aabb3>{{{-2, 0, 0}, {-1.7e-40f, 1, 1}}});
+  constexpr unsigned kFlushToZero = 0x8000;
+  for (Target target : TargetsUnderTest()) {
+    const unsigned mode = _mm_getcsr();
+    _mm_setcsr(mode | kFlushToZero);
+    const std::size_t count = Pairs(a, b, Span<IdPair>(), {.target = target});
+    const std::size_t near =
+        Pairs(a, c, Span<IdPair>(), {.margin = 0.8e-40f, .target = target});
+    _mm_setcsr(mode);
+    EXPECT_EQ(count, 1u) << target.name();
+    EXPECT_EQ(near, 1u) << target.name();
+  }
+}
+#endif
+
+// On D three times the margin, which is no float here.
+TEST(BvhPairsTest, AMarginThatOverflowsOnDMissesNothing) {
+  AaboWorld3 world;
+  for (float d : {0.65f * kMost, -0.65f * kMost}) {
+    world.Push({{0, 0, 0, d}, {0, 0, 0, d}});
+  }
+  const AaboBvh3 bvh(world);
+  EXPECT_EQ(Pairs(bvh, {}, {.margin = kMost / 2}), 1u);
+  EXPECT_EQ(Pairs(bvh, {}, {.margin = kMost / 4}), 0u);
+}
+
+TEST(BvhPairsTest, ASubnormalMarginIsOneThoughSubnormalsAreFlushed) {
+  constexpr float kLeast = std::numeric_limits<float>::min();
+  const float next = std::nextafter(kLeast, 1.0f);
+  AabbWorld3 world;
+  world.Push({{0, 0, 0}, {kLeast, 0, 0}});
+  world.Push({{next, 0, 0}, {1, 0, 0}});
+  const AabbBvh3 bvh(world);
+  const FlushDenormals flush;
+  EXPECT_EQ(Pairs(bvh, {}, {.margin = 0x1p-149f}), 1u);
+}
+
+// Records with other data between them, of floats and of doubles.
+template <typename Scalar>
+struct Body {
+  Scalar mass;
+  Aabb<3, Scalar> box;
+};
+template <typename Scalar>
+Boxes<3, Scalar> BoxesIn(const std::vector<Body<Scalar>>& bodies) {
+  Boxes<3, Scalar> boxes;
+  boxes.count = bodies.size();
+  boxes.stride = sizeof(Body<Scalar>) / sizeof(Scalar);
+  for (std::size_t k = 0; k < 3; ++k) {
+    boxes.min[k] = &bodies[0].box.min[k];
+    boxes.max[k] = &bodies[0].box.max[k];
+  }
+  return boxes;
+}
+
+TEST(BvhBoxesTest, AreReadInPlace) {
+  const auto are_same = [](const AabbBvh3& a, const AabbBvh3& b) {
+    return std::ranges::equal(a.Blob(), b.Blob());
+  };
+  Random random(13);
+  std::vector<Body<double>> bodies;
+  std::vector<Body<float>> of_floats;
+  std::vector<Aabb3> rounded;
+  AabbWorld<3, double> world;
+  for (std::size_t i = 0; i < 5000; ++i) {
+    Aabb<3, double> box;
+    for (std::size_t k = 0; k < 3; ++k) {
+      box.min[k] = static_cast<double>(random() % 1'000'003) / 7;
+      box.max[k] = box.min[k] + 3.3;
+    }
+    world.Push(box);
+    rounded.push_back(RoundOutward(box));
+    bodies.push_back({1.0, box});
+    of_floats.push_back({1.0f, rounded[i]});
+  }
+  const AabbBvh3 expected(rounded);
+  EXPECT_TRUE(are_same(AabbBvh3(world), expected));
+  EXPECT_TRUE(are_same(AabbBvh3(world.view()), expected));
+  AabbBvh3 of_boxes(BoxesIn(bodies));
+  AabbBvh3 of_float_boxes(BoxesIn(of_floats));
+  EXPECT_TRUE(are_same(of_boxes, expected));
+  EXPECT_TRUE(are_same(of_float_boxes, expected));
+  std::rotate(bodies.begin(), bodies.begin() + 99, bodies.end());
+  std::rotate(of_floats.begin(), of_floats.begin() + 99, of_floats.end());
+  of_boxes.Refit(BoxesIn(bodies));
+  of_float_boxes.Refit(BoxesIn(of_floats));
+  EXPECT_FALSE(are_same(of_boxes, expected));
+  EXPECT_TRUE(are_same(of_boxes, of_float_boxes));
+}
+
+}  // namespace
+}  // namespace halfspace::testing

@@ -1,0 +1,193 @@
+#!/usr/bin/env python3
+"""command_line_test.py messages|runs FOLDER COMMAND...: cpuinfo-bench as its users call it: exit
+codes and messages. FOLDER is for files, and `runs` has the cases that measure something."""
+
+import os
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+
+group, folder, command = sys.argv[1], pathlib.Path(sys.argv[2]), sys.argv[3:]
+is_emulated = len(command) > 1
+folder.mkdir(parents=True, exist_ok=True)
+(folder / "folder").mkdir(exist_ok=True)
+FILES = {
+    "quad.obj": "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n",
+    "bad.obj": "v 0 0 0\nv 1 0 0\nv 1 1 zero\nf 1 2 3\n",
+    "boxes.csv": "0,0,0,1,1,1\n2,2,2,3,3,3\n",
+    "queries.csv": "0,0,0,1,1,1\n5,5,5,6,6,6\n",
+    "far.obj": "v 3e38 0 0\nv 0 3e38 0\nv 0 0 3e38\nf 1 2 3\n",
+    "far.csv": "2e38,2e38,2e38,3e38,3e38,3e38\n",
+    "far_out.csv": "0,0,0,1,1,1\n1e13,1e13,1e13,2e13,2e13,2e13\n",
+    "bad.csv": "0,0,0,1,1,1\n0,0,0,nan,1,1\n",
+    "other.json": '{"schema": 4, "context": {"model": "none", "caches": "none", "scope": ""}, '
+                  '"tables": []}',
+    "old.json": '{"schema": 3}'}
+for name, content in FILES.items():
+    (folder / name).write_text(content)
+link = folder / "link.json"
+link.unlink(missing_ok=True)
+link.symlink_to(folder / "out")
+
+KEPT = "^what was there$"
+MACHINE = "--details machine "
+
+# Arguments, exit code, and what stdout, stderr and the file of --out match. With `out` there is a
+# file "out" before. {0} is the folder.
+MESSAGES = [
+    ("--version", 0, {"stdout": r"^cpuinfo-bench \d"}),
+    ("--help", 0, {"stdout": "--mesh"}),
+    ("--list", 0, {"stdout": "^verdict\nanswers\n(.*\n)*noise\n$"}),
+    ("--details machine,quality --objects 4096", 0,
+     {"stderr": r"^cpuinfo-bench: machine +0 %\ncpuinfo-bench: quality +\d+ %.*\n$"}),
+    ("--fast", 2, {"stderr": "--fast"}),
+    ("--details speed", 2, {"stderr": "speed"}),
+    ("--target MMX", 2, {"stderr": "MMX.*choose one of"}),
+    ("--mesh a.obj --bounds b.csv", 2, {"stderr": "excludes"}),
+    ("--mesh a.obj --query-bounds b.csv --query-size 1", 2, {"stderr": "excludes"}),
+    (MACHINE + "--query-size 1", 2, {"stderr": "give --mesh or --bounds"}),
+    ("--repetitions 0", 2, {"stderr": "repetitions"}),
+    (MACHINE + "--out {0}/none/x", 2, {"stderr": "cannot be written"}),
+    ("--details quality --mesh {0}/quad.obj", 0, {"stdout": "2 objects, 2 queries"}),
+    ("--details check,quality --bounds {0}/boxes.csv", 0, {"stdout": r"AABB +2 +1\.00"}),
+    # Of the two boxes, the first is touched by one of both queries.
+    ("--details quality --bounds {0}/boxes.csv --query-bounds {0}/queries.csv", 0,
+     {"stdout": r"AABB +1 +0\.50 +1\.00(.*\n)*.*2 objects, 2 queries"}),
+    ("--details quality --bounds {0}/boxes.csv --query-size 100 --queries 3", 0,
+     {"stdout": r"AABB +6 +2\.00 +1\.00(.*\n)*.*2 objects, 3 queries"}),
+    ("--details quality --bounds {0}/boxes.csv --query-bounds {0}/bad.csv", 3,
+     {"stderr": "bad.csv:2: "}),
+    ("--details quality --mesh {0}/bad.obj", 3, {"stderr": "bad.obj:3: "}),
+    ("--details quality --bounds {0}/bad.csv", 3, {"stderr": "bad.csv:2: "}),
+    ("--mesh {0}/none.obj", 3, {"stderr": "none.obj: "}),
+    ("--details quality --mesh {0}/far.obj", 3, {"stderr": "Everything"}),
+    ("--details quality --bounds {0}/far.csv", 3, {"stderr": "Everything"}),
+    # What is compared, report_test tests.
+    (MACHINE + "--against {0}/other.json", 2,
+     {"stderr": "other.json: it is of none, none, and this is .*same machine"}),
+    (MACHINE + "--against {0}/old.json", 3,
+     {"stderr": "old.json: no JSON report of this version; give"}),
+    (MACHINE + "--against {0}/boxes.csv", 3,
+     {"stderr": "boxes.csv: no JSON report of this version; give"}),
+    (MACHINE + "--against {0}/none.json", 3, {"stderr": "none.json: cannot be read: .*; give"}),
+    (MACHINE + "--target SCALAR", 0, {"stdout": "chosen +scalar, which"}),
+    # Files that are read are not written, whatever they are called.
+    ("--mesh {0}/../{1}/out --out {0}/out", 2, {"out": KEPT, "stderr":
+     "--out .* would overwrite the file of --mesh .*; name another"}),
+    ("--bounds {0}/./out --out {0}/out", 2, {"out": KEPT, "stderr":
+     "--out .* would overwrite the file of --bounds .*; name another"}),
+    ("--against {0}/folder/../out --out {0}/out", 2, {"out": KEPT, "stderr":
+     "--out .* would overwrite the file of --against .*; name another"}),
+    ("--bounds {0}/boxes.csv --query-bounds {0}/out --out {0}/out", 2, {"out": KEPT, "stderr":
+     "would overwrite the file of --query-bounds .*; name another"}),
+    (MACHINE + "--against {0}/link.json --out {0}/out", 2, {"out": KEPT, "stderr":
+     "would overwrite the file of --against .*link.json; name another"}),
+    ("--details machine,quality --objects 4096 --queries 2 --format json", 0,
+     {"stdout": '"name":"quality"'}),
+    # Every message of a bad environment reaches the user too.
+    (MACHINE, 2, {"stderr": "HALFSPACE_TARGET.*MMX", "env": {"HALFSPACE_TARGET": "MMX"}}),
+    (MACHINE, 2, {"stderr": "x1bc", "env": {"HALFSPACE_TARGET": "\x1bc"}}),
+    ("--mesh '\x1b[31m'", 3, {"stderr": r"x1b\[31m: "}),
+    # Google Benchmark complains of its own variables before main().
+    (MACHINE, 0, {"env": {"BENCHMARK_REPETITIONS": "x", "BENCHMARK_CONTEXT": "x",
+                          "BENCHMARK_MIN_WARMUP_TIME": "x", "V": "x"}}),
+    ("--details quality --objects 64 --quick --seed 010", 0, {"stdout": "; seed 10; "}),
+    ("--details quality --objects 1.5e3 --queries 1e0 --seed 1e6", 0,
+     {"stdout": "1 500 objects, 1 queries"}),
+    (MACHINE + "--out {0}/out", 0, {"out":
+     r"^cpuinfo-bench [0-9.]+ --details machine.*; seed 1; [^\n]*\n[^\n]*\n\nmachine: "}),
+    (MACHINE + "--mesh {0}/none.obj --out {0}/out", 3, {"out": KEPT}),
+    (MACHINE + "--objects 1073741824", 0, {}),
+    ("--details quality --objects 8388608", 2, {"before": ["prlimit", "--as=200000000"],
+     "stdout": "^$", "stderr": "256 MiB.*fewer --objects"}),
+]
+MESSAGES += [(f"--bounds b.csv --query-size {size}", 2, {"stderr": "not a number above 0"})
+             for size in ("0", "-1", "101", "nan", "1x")]
+MESSAGES += [(f"{MACHINE}--exact-ns {ns}", 2, {"stderr": "not a number above 0"})
+             for ns in ("nan", "0", "-1", "1x")]
+MESSAGES += [(f"{MACHINE}--seed {seed}", 2, {"stderr": "not a whole number from 0 to"})
+             for seed in ("-1", "18446744073709551616", "0x10", "1e16", "0.5", "''")]
+MESSAGES += [(f"{MACHINE}{option} ''", 2, {"stderr": "empty file name"})
+             for option in ("--mesh", "--bounds", "--out", "--against")]
+MESSAGES += [(f"--details '{sections}'", 2, {"stderr": "not a section"})
+             for sections in ("quality,", ",quality", "quality,,check", "")]
+if os.path.exists("/dev/full"):
+    MESSAGES += [(arguments, 4, {"to": "/dev/full", "stderr": "standard output"})
+                 for arguments in ("--list", "--help", "--version", MACHINE)]
+    MESSAGES += [(MACHINE + "--out /dev/full", 4, {"stderr": "/dev/full: "})]
+# 32 GiB, where that cannot be had; the machine is told first.
+if (memory := pathlib.Path("/proc/meminfo")).exists():
+    if int(re.search(r"MemAvailable: +(\d+)", memory.read_text())[1]) < 30_000_000:
+        MESSAGES += [("--objects 1073741824", 2, {"stderr": "32768 MiB.*fewer --objects"})]
+
+STORED = "--details quality,check --quick --target SCALAR --repetitions 1 --bounds {0}/boxes.csv "
+AGAIN = "--details quality --quick --bounds {0}/boxes.csv "
+RUNS = [
+    ("--details bvh --objects 64 --quick --mesh {0}/quad.obj", 0,
+     {"stdout": r"file, 2 boxes: a query finds 2\.0"}),
+    ("--details bvh --objects 64 --quick --bounds {0}/far_out.csv", 0,
+     {"stdout": "Not measured: the boxes of a file: coordinates"}),
+    # Whether the run is noisy, nobody knows; that it is asked, the report tells.
+    ("--strict --quick --details machine --objects 4096", (0, 4),
+     {"stdout": "a kernel timed against itself"}),
+    (STORED + "--format json --out {0}/stored.json", 0, {}),
+    (AGAIN + "--against {0}/stored.json", 2,
+     {"stdout": "^$", "stderr": "^cpuinfo-bench: --against .*: no value is in both runs"}),
+    # Values that seem to be compared until the run is complete.
+    (AGAIN + "--against {0}/changed.json", 2,
+     {"stdout": "^$", "stderr": "no value is in both runs"}),
+    (AGAIN + "--against {0}/changed.json --out {0}/out", 2,
+     {"out": KEPT, "stderr": "no value is in both runs"}),
+    # A page of one target that programs would not get.
+    ("--quick --objects 4096 --queries 4 --repetitions 1 --target SCALAR", 0,
+     {"stdout": r"^The simplex scan is faster[^\n]*\n  scalar  ", "lines": 100}),
+    ("--details kernels --objects 4096 --out {0}/out", 124,
+     {"before": ["timeout", "1"], "out": KEPT}),
+]
+
+
+def problem_of(arguments, code, expected):
+    """What is wrong with a run; None if nothing is."""
+    out = folder / "out"
+    out.write_text("what was there")
+    words = [word.format(folder, folder.name) for word in shlex.split(arguments)]
+    to = open(expected["to"], "w") if "to" in expected else subprocess.PIPE
+    run = subprocess.run([*expected.get("before", []), *command, *words], stdout=to,
+                         stderr=subprocess.PIPE, encoding="utf-8", errors="replace",
+                         env={**os.environ, **expected.get("env", {})})
+    found = {"stdout": run.stdout or "", "stderr": run.stderr, "out": out.read_text()}
+    codes = code if isinstance(code, tuple) else (code,)
+    if run.returncode not in codes:
+        return f"exit code {run.returncode}, not {codes}", found
+    for stream, text in found.items():
+        if not re.search(expected.get(stream, ""), text):
+            return f"{stream} does not match {expected[stream]!r}", found
+    if found["stdout"].count("\n") > expected.get("lines", 1000):
+        return "too many lines", found
+    if list(folder.glob("out.*")):
+        return "a file was left behind", found
+    # Without a terminal, a line for each section, and no escape sequences.
+    rest = re.sub(r"cpuinfo-bench: [a-z0-9_]+ +[0-9]+ %(, [0-9:]+ left)?\n", "", run.stderr)
+    # An error of the tool's own is one line, whatever is in it.
+    if 0 < run.returncode < 10 and not re.fullmatch(r"cpuinfo-bench: [^\n\x1b]+\n", rest):
+        return "not one line, of this program", found
+    if run.returncode == 0 and rest:
+        return "a successful run wrote to stderr", found
+    return None
+
+
+failed = 0
+for row in {"messages": MESSAGES, "runs": RUNS}[group]:
+    if is_emulated and "before" in row[2]:
+        continue
+    problem = problem_of(*row)
+    if problem:
+        failed += 1
+        print(f"{row[0]}: {problem[0]}\n" + "\n".join(f"  {k}: {v}" for k, v in problem[1].items()))
+    if "stored.json" in row[0] and "--format" in row[0]:
+        text = (folder / "stored.json").read_text()
+        (folder / "changed.json").write_text(
+            text.replace('"name":"over AABB"', '"name":"over AABB","better":"higher"'))
+sys.exit(f"{failed} runs failed" if failed else 0)

@@ -1,0 +1,528 @@
+// The experiments of the paper: what they count, by loops of the tests' own and
+// against the paper's figures, and their loops on every target.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "bench/measure/counts.h"
+#include "bench/paper/bounding_sphere.h"
+#include "bench/paper/loops.h"
+#include "bench/paper/model.h"
+#include "bench/paper/points.h"
+#include "bench/paper/scene_of_dimension.h"
+#include "bench/paper/volume_set.h"
+#include "bench/paper/work_count.h"
+#include "bench/worlds/random.h"
+#include "bench/worlds/scene.h"
+#include "bench/worlds/working_set.h"
+#include "halfspace/fit.h"
+#include "tests/library/support/environment.h"
+
+namespace halfspace::bench {
+namespace {
+
+// ---- Table 1.
+
+Workload SmallScene(std::size_t objects, std::size_t queries) {
+  return MakeScene(objects, queries, /*seed=*/7, [](double) {});
+}
+
+// Half-spaces that object `i` needs before one rejects it; all if none does.
+std::size_t NeededByAabb(const Aabo3& object, const Aabo3& query) {
+  std::size_t evaluated = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    ++evaluated;
+    if (object.min[k] > query.max[k]) return evaluated;
+    ++evaluated;
+    if (object.max[k] < query.min[k]) return evaluated;
+  }
+  return evaluated;
+}
+
+std::size_t NeededBySimplex(const Aabo3& object, const Aabo3& query) {
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (object.min[k] > query.max[k]) return k + 1;
+  }
+  return 4;
+}
+
+std::size_t NeededByAabo(const Aabo3& object, const Aabo3& query) {
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (object.min[k] > query.max[k]) return k + 1;
+  }
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (object.max[k] < query.min[k]) return 5 + k;
+  }
+  return 8;
+}
+
+// A batch needs what its neediest object needs.
+template <typename Needed>
+double ByDefinition(const Workload& scene, std::size_t width, Needed needed) {
+  std::size_t sum = 0;
+  std::size_t batches = 0;
+  for (const Aabo3& query : scene.queries) {
+    for (std::size_t i = 0; i < scene.objects.size(); i += width) {
+      std::size_t most = 0;
+      const std::size_t end = std::min(i + width, scene.objects.size());
+      for (std::size_t j = i; j < end; ++j) {
+        most = std::max(most, needed(scene.objects.Get(j), query));
+      }
+      sum += most;
+      ++batches;
+    }
+  }
+  return static_cast<double>(sum) / static_cast<double>(batches);
+}
+
+WorkCounter Counted(const Workload& scene) {
+  WorkCounter counter(scene.objects.view());
+  for (const Aabo3& query : scene.queries) counter.Add(query);
+  return counter;
+}
+
+TEST(WorkCountTest, IsTheDefinition) {
+  // Neither a multiple of 4096 nor of 1024: the last batches are short.
+  const Workload scene = SmallScene(2 * 4096 + 5 * 64, 6);
+  const WorkCount work = Counted(scene).Average();
+  for (std::size_t i = 0; i < kWorkWidths.size(); ++i) {
+    const std::size_t w = kWorkWidths[i];
+    EXPECT_DOUBLE_EQ(work.aabb[i], ByDefinition(scene, w, NeededByAabb)) << w;
+    EXPECT_DOUBLE_EQ(work.simplex[i], ByDefinition(scene, w, NeededBySimplex))
+        << w;
+    EXPECT_DOUBLE_EQ(work.aabo[i], ByDefinition(scene, w, NeededByAabo)) << w;
+  }
+}
+
+TEST(WorkCountTest, AddsUpToTheHalfSpacesOfSingleObjects) {
+  const WorkCounter counter = Counted(SmallScene(4096, 6));
+  const WorkCount work = counter.Average();
+  for (const auto& [shape, average] :
+       {std::pair(ShapeKind::kAabb, work.aabb[0]),
+        std::pair(ShapeKind::kSimplex, work.simplex[0]),
+        std::pair(ShapeKind::kAabo, work.aabo[0])}) {
+    const std::vector<double> reached = counter.Reached(shape);
+    ASSERT_EQ(reached.size(), PlaneCountOf(shape));
+    EXPECT_EQ(reached[0], 1.0);
+    EXPECT_TRUE(std::is_sorted(reached.rbegin(), reached.rend()));
+    EXPECT_NEAR(std::accumulate(reached.begin(), reached.end(), 0.0), average,
+                1e-12);
+  }
+}
+
+TEST(WorkCountTest, ReproducesThePaper) {
+  // Many queries: the narrow widths depend on where they lie.
+  const Workload scene = SmallScene(1 << 14, 1024);
+  const WorkCount work = Counted(scene).Average();
+  for (std::size_t i = 0; i < kWorkWidths.size(); ++i) {
+    EXPECT_NEAR(work.aabb[i], kPaperWork.aabb[i], 0.1) << kWorkWidths[i];
+    EXPECT_NEAR(work.simplex[i], kPaperWork.simplex[i], 0.1) << kWorkWidths[i];
+    EXPECT_NEAR(work.aabo[i], kPaperWork.aabo[i], 0.1) << kWorkWidths[i];
+  }
+}
+
+TEST(SceneTest, SurvivorsAreAsLooseAsInThePaper) {
+  const Workload scene = SmallScene(1 << 18, 128);
+  PerShape<std::size_t> survivors;
+  for (const Aabo3& query : scene.queries) {
+    AddSurvivors(scene.objects.view(), query, survivors);
+  }
+  const auto looseness = [&](std::size_t count) {
+    return static_cast<double>(count) / static_cast<double>(survivors.aabb);
+  };
+  EXPECT_NEAR(looseness(survivors.simplex), 2.18, 0.15);
+  EXPECT_NEAR(looseness(survivors.aabo), 0.92, 0.03);
+}
+
+TEST(SceneTest, IsTheSameForTheSameSeedOnly) {
+  const auto first = [](std::uint64_t seed) {
+    return MakeScene(64, 1, seed, [](double) {}).objects.Get(63);
+  };
+  EXPECT_EQ(first(1), first(1));
+  EXPECT_NE(first(1), first(2));
+}
+
+// ---- The model.
+
+// 12 objects of 1 x 1 x 1 at (0, 1, ... 11, 0, 0), and three queries.
+struct Line {
+  AaboWorld3 objects;
+  std::vector<Aabo3> queries;
+
+  Line() {
+    const auto cube = [](float x, float side) {
+      return BoundAabb(Aabb3{{x, 0, 0}, {x + side, side, side}});
+    };
+    for (int i = 0; i < 12; ++i) {
+      objects.Push(cube(static_cast<float>(i), 0.5f));
+    }
+    // Their right ends are at 0.25, 5.25 and 11.25: p is 11/12, 6/12 and 0.
+    for (float x : {0.0f, 5.0f, 11.0f}) queries.push_back(cube(x, 0.25f));
+  }
+};
+
+TEST(ModelTest, EarlyOutByHand) {
+  const Line line;
+  std::vector<float> maxima;
+  for (const Aabo3& query : line.queries) maxima.push_back(query.max[0]);
+  const AaboView3 view = line.objects.view();
+  const auto at = [&](std::size_t w) {
+    return EarlyOutOf({view.min[0], view.size}, maxima, w);
+  };
+  const double p = (11.0 + 6.0 + 0.0) / 36.0;
+  EXPECT_DOUBLE_EQ(at(1).of_mean_p, p);
+  EXPECT_DOUBLE_EQ(at(1).mean_of_p_w.median, p);
+  EXPECT_DOUBLE_EQ(at(1).counted.median, p);
+  // An object that touches is not rejected.
+  const std::vector<float> minima = {1.0f, 2.0f};
+  EXPECT_DOUBLE_EQ(EarlyOutOf(minima, {{1.0f}}, 1).counted.median, 0.5);
+  // Batches of 4: the first query rejects the last two, the second the last one
+  // whole, and objects 6 and 7 of the second.
+  EXPECT_NEAR(at(4).of_mean_p, std::pow(17.0 / 36.0, 4), 1e-12);
+  EXPECT_NEAR(at(4).mean_of_p_w.median,
+              (std::pow(11.0 / 12.0, 4) + std::pow(0.5, 4)) / 3.0, 1e-12);
+  EXPECT_DOUBLE_EQ(at(4).counted.median, (2.0 / 3.0 + 1.0 / 3.0) / 3.0);
+}
+
+// A seeded scene, and everything about it by loops over pairs.
+TEST(ModelTest, OfASceneByLoops) {
+  const Workload scene = MakeScene(
+      512, 64, /*seed=*/9, [](double) {}, 8.0f);
+  std::size_t boxes = 0;
+  std::size_t simplices = 0;
+  double sum_p = 0.0;
+  double sum_p4 = 0.0;
+  std::size_t whole = 0;
+  for (const Aabo3& query : scene.queries) {
+    std::size_t first = 0;
+    for (std::size_t i = 0; i < 512; i += 4) {
+      std::size_t of_batch = 0;
+      for (std::size_t j = i; j < i + 4; ++j) {
+        const Aabo3 object = scene.objects.Get(j);
+        bool in_box = true;
+        for (std::size_t k = 0; k < 3; ++k) {
+          in_box &= object.min[k] <= query.max[k];
+          in_box &= object.max[k] >= query.min[k];
+        }
+        bool in_simplex = true;
+        for (std::size_t k = 0; k < 4; ++k) {
+          in_simplex &= object.min[k] <= query.max[k];
+        }
+        boxes += in_box ? 1 : 0;
+        simplices += in_simplex ? 1 : 0;
+        of_batch += object.min[0] > query.max[0] ? 1 : 0;
+      }
+      first += of_batch;
+      whole += of_batch == 4 ? 1 : 0;
+    }
+    const double p = static_cast<double>(first) / 512.0;
+    sum_p += p / 64.0;
+    sum_p4 += p * p * p * p / 64.0;
+  }
+  PerShape<std::size_t> survivors;
+  std::vector<float> maxima;
+  for (const Aabo3& query : scene.queries) {
+    AddSurvivors(scene.objects.view(), query, survivors);
+    maxima.push_back(query.max[0]);
+  }
+  EXPECT_EQ(survivors.aabb, boxes);
+  EXPECT_EQ(survivors.simplex, simplices);
+  const EarlyOut shares =
+      EarlyOutOf({scene.objects.view().min[0], 512}, maxima, 4);
+  EXPECT_NEAR(shares.of_mean_p, std::pow(sum_p, 4.0), 1e-12);
+  EXPECT_NEAR(shares.mean_of_p_w.median, sum_p4, 1e-12);
+  EXPECT_NEAR(shares.counted.median,
+              static_cast<double>(whole) / (64.0 * 128.0), 1e-12);
+  // The paper's p^w is too small: p differs between queries.
+  EXPECT_GT(shares.counted.low, 1.2 * shares.of_mean_p);
+}
+
+TEST(ModelTest, CubesAreAsLooseAsTheirVolumes) {
+  // Points against the simplex of a unit cube, whose legs are 3 long: volume
+  // 27 / 6 = 4.5.
+  AaboWorld3 points;
+  for (int x = -40; x < 40; ++x) {
+    for (int y = -40; y < 40; ++y) {
+      for (int z = -40; z < 40; ++z) {
+        const auto at = [](int i) {
+          return (static_cast<float>(i) + 0.5f) / 10.0f;
+        };
+        points.Push(BoundPoint<3>({at(x), at(y), at(z)}));
+      }
+    }
+  }
+  PerShape<double> survivors;
+  AddSurvivors(points.view(), BoundAabb(Aabb3{{0, 0, 0}, {1, 1, 1}}),
+               survivors);
+  EXPECT_EQ(survivors.aabb, 1000.0);
+  EXPECT_NEAR(survivors.simplex / survivors.aabb, 4.5, 0.3);
+}
+
+// c of equal balls in a world without an edge is the ratio of the volumes of
+// where their centers may be: (6 + 2 sqrt(3))^3 / 6 over 4^3, for any radius.
+TEST(ModelTest, BallsAreAsLooseAtEverySize) {
+  const double c = std::pow(6.0 + 2.0 * std::sqrt(3.0), 3.0) / 6.0 / 64.0;
+  for (float radius : {0.01f, 30.0f}) {
+    AaboWorld3 balls;
+    for (int i = 0; i < 80 * 80 * 80; ++i) {
+      const auto at = [radius](int j) {
+        return (static_cast<float>(j) - 39.5f) * radius / 6.0f;
+      };
+      balls.Push(BoundSphere<3>(
+          {{at(i % 80), at(i / 80 % 80), at(i / 6400)}, radius}));
+    }
+    PerShape<double> survivors;
+    AddSurvivors(balls.view(), BoundSphere<3>({{0, 0, 0}, radius}), survivors);
+    EXPECT_NEAR(survivors.simplex / survivors.aabb, c, 0.1) << radius;
+  }
+}
+
+TEST(ModelTest, AverageAndItsErrorByHand) {
+  const Ratio mean = MeanOf({1.0, 2.0, 3.0});
+  EXPECT_DOUBLE_EQ(mean.median, 2.0);
+  EXPECT_NEAR(mean.high, 2.0 + 2.0 / std::sqrt(3.0), 1e-12);
+  EXPECT_NEAR(mean.low, 2.0 - 2.0 / std::sqrt(3.0), 1e-12);
+}
+
+TEST(ModelTest, TheFormulaOfThePaperByHand) {
+  // Half of all objects reach the second half-space, a quarter the third.
+  const std::vector<double> reached = {1.0, 0.5, 0.25};
+  EXPECT_DOUBLE_EQ(HalfSpacesByFormula(reached, 1.0), 1.75);
+  EXPECT_DOUBLE_EQ(HalfSpacesByFormula(reached, 2.0),
+                   1.0 + (1.0 - 0.25) + (1.0 - 0.5625));
+  EXPECT_NEAR(HalfSpacesByFormula(reached, 4096.0), 3.0, 1e-12);
+  EXPECT_EQ(WidthFrom(64, [](double w) { return w - 6.5; }), 7u);
+  EXPECT_EQ(WidthFrom(64, [](double w) { return 6.5 - w; }), std::nullopt);
+  EXPECT_EQ(WidthFrom(64, [](double) { return 1.0; }), 1u);
+}
+
+TEST(ModelTest, AdvantageAndLimitsByHand) {
+  // Six half-spaces of 0.02 ns and 1 survivor in 100, against four and 2.
+  EXPECT_NEAR(Advantage({6.0, 0.01}, {4.0, 0.02}, 0.02, 3.0), 0.04 - 0.03,
+              1e-12);
+  EXPECT_NEAR(Advantage({1.56, 0.01}, {1.87, 0.02}, 0.02, 0.0), -0.0062, 1e-12);
+  // Where Adv is 0: kappa_box / N = 2 w_cmp / ((c - 1) w_full).
+  EXPECT_NEAR(DensityLimit(2.0, 0.02, 4.0), 0.01, 1e-12);
+  EXPECT_NEAR(Advantage({6.0, 0.01}, {4.0, 0.02}, 0.02, 4.0), 0.0, 1e-12);
+  EXPECT_EQ(DensityLimit(1.0, 0.02, 4.0),
+            std::numeric_limits<double>::infinity());
+  EXPECT_NEAR(BreakEven(0.04, 0.01), 4.0, 1e-12);
+  EXPECT_EQ(BreakEven(-0.01, 0.01), 0.0);
+  EXPECT_EQ(BreakEven(0.01, 0.0), std::numeric_limits<double>::infinity());
+}
+
+// ---- Axes.
+
+TEST(RegularBoundsTest, AreThoseOfAPointByHand) {
+  const std::array<float, 3> point = {1, 2, 4};
+  const Aabo3 bound = BoundOnRegularAxes(point);
+  const std::array<float, 4> along = {7, -5, -3, 1};
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_LE(bound.min[k], along[k]);
+    EXPECT_GE(bound.max[k], along[k]);
+    EXPECT_FLOAT_EQ(bound.min[k], along[k]);
+    EXPECT_FLOAT_EQ(bound.max[k], along[k]);
+  }
+}
+
+// Twice 2^-30 beside 2^24: neither floats nor doubles hold the sum.
+TEST(RegularBoundsTest, EncloseWhatRounds) {
+  const std::array<float, 3> point = {0x1p24f, 0x1p-30f, 0x1p-30f};
+  const Aabo3 bound = BoundOnRegularAxes(point);
+  EXPECT_GT(bound.max[0], 0x1p24f);
+  EXPECT_LE(bound.min[0], 0x1p24f);
+  EXPECT_LT(bound.min[1], 0x1p24f);
+}
+
+// ---- Volumes.
+
+// The 64 points with coordinates 0 .. 3, and one segment.
+NextPoints GridAnd(const std::array<float, 6>& segment) {
+  return [segment, next = std::size_t{0},
+          point = std::array<float, 3>{}]() mutable -> std::span<const float> {
+    if (next == 64) return segment;
+    for (std::size_t k = 0; k < 3; ++k) {
+      point[k] = static_cast<float>(next >> (2 * k) & 3);
+    }
+    ++next;
+    return point;
+  };
+}
+
+// Survivors of each volume, in the order of Volume.
+void ExpectSurvivors(const std::array<float, 6>& segment,
+                     const std::array<std::size_t, kVolumes>& expected) {
+  VolumeSet set(GridAnd(segment), 64, 1);
+  for (std::size_t v = 0; v < kVolumes; ++v) {
+    const auto volume = static_cast<Volume>(v);
+    EXPECT_EQ(set.Survivors(volume, 1), expected[v]) << NameOf(volume);
+  }
+}
+
+// From (1, 2, 1) to (2, 1, 1). Boxes keep x, y in {1, 2} with z = 1; the AABO
+// and the prism those of them with x + y = 3. Half of the prism keeps x, y <=
+// 2, z <= 1 and x + y >= 3: 3 with z = 0, 3 with z = 1. The simplex keeps x, y
+// <= 2, z <= 1 and x + y + z >= 4: 3 with z = 1, and (2, 2, 0). The sphere
+// around (1.5, 1.5, 1) touches the four of the box.
+TEST(VolumesTest, AreCountedByHandAcrossADiagonal) {
+  ExpectSurvivors({1, 2, 1, 2, 1, 1}, {4, 4, 2, 2, 6, 4});
+}
+
+// From (1, 1, 0) to (1, 1, 3). Boxes, the prism, its half (x, y <= 1 and x + y
+// >= 2 for all z <= 3) and the AABO keep the 4 points
+// of the column. The simplex keeps x, y <= 1 and x + y + z >= 2: 4 of the
+// column, (0, 1, z) and (1, 0, z) for z = 1, 2, 3, and (0, 0, z) for z = 2, 3.
+// The sphere around (1, 1, 1.5) with radius 1.5 keeps of z = 0 and 3 the column
+// alone, and of z = 1 and 2 what is within sqrt(2) of it, all 3 x 3 columns.
+TEST(VolumesTest, AreCountedByHandAlongAnAxis) {
+  ExpectSurvivors({1, 1, 0, 1, 1, 3}, {12, 4, 4, 4, 4, 20});
+}
+
+TEST(BoundingSphereTest, EnclosesItsPoints) {
+  const NextPoints balls = BallPoints(/*seed=*/5);
+  for (std::size_t i = 0; i < testing::Scaled(200); ++i) {
+    const auto points = balls();
+    const Sphere<3> sphere = SphereAround(points);
+    for (std::size_t p = 0; p < points.size(); p += 3) {
+      double square = 0.0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double along = double{points[p + k]} - double{sphere.center[k]};
+        square += along * along;
+      }
+      EXPECT_LE(square, double{sphere.radius} * double{sphere.radius});
+    }
+    EXPECT_LE(sphere.radius, 1.01f);
+  }
+}
+
+TEST(BoundingSphereTest, IsThatOfFewPoints) {
+  const std::array<float, 6> two = {-3, 0, 0, 3, 0, 0};
+  EXPECT_FLOAT_EQ(SphereAround(two).radius, 3.0f);
+  EXPECT_EQ(SphereAround(two).center, (Point<3>{0, 0, 0}));
+  // Three corners of a square, whose diagonal is a diameter.
+  const std::array<float, 9> three = {0, 0, 0, 2, 0, 0, 0, 2, 0};
+  EXPECT_FLOAT_EQ(SphereAround(three).radius, std::sqrt(2.0f));
+  const std::array<float, 3> one = {4, 5, 6};
+  EXPECT_EQ(SphereAround(one).radius, 0.0f);
+  EXPECT_EQ(SphereAround(one).center, (Point<3>{4, 5, 6}));
+}
+
+// Spheres of all sizes that touch exactly, along (3, 4, 0) or an axis, far from
+// the origin: with s a power of two, all values are floats.
+TEST(SphereScanTest, NeverRejectsSpheresThatTouch) {
+  struct Direction {
+    std::array<float, 3> by;
+    float length;
+  };
+  constexpr std::array<Direction, 4> kDirections = {
+      {{{3, 4, 0}, 5}, {{1, 0, 0}, 1}, {{2, -3, 6}, 7}, {{-8, 4, 1}, 9}}};
+  Random random(7);
+  for (Target target : testing::TargetsUnderTest()) {
+    const SphereScan scan = PaperLoopsFor(target).spheres;
+    for (std::size_t i = 0; i < testing::Scaled(2000); ++i) {
+      const Direction& direction = kDirections[i % kDirections.size()];
+      const float s =
+          std::ldexp(1.0f, static_cast<int>(random.Below(100)) - 70);
+      const auto steps = static_cast<float>(1 + random.Below(1 << 18));
+      const float reach = s * steps * direction.length;
+      const float part = std::floor(steps / 3) * s * direction.length;
+      const Sphere<3> query{{s, 2 * s, 3 * s}, reach - part};
+      Sphere<3> object{query.center, part};
+      for (std::size_t k = 0; k < 3; ++k) {
+        object.center[k] += s * steps * direction.by[k];
+      }
+      const float grown_query = Inflated(query).radius;
+      const float grown = Inflated(object).radius;
+      alignas(64) std::array<std::array<float, 64>, 4> planes;
+      for (std::size_t k = 0; k < 3; ++k) planes[k].fill(object.center[k]);
+      planes[3].fill(grown);
+      // Twice as far as it may be wrong: by a share of the distance, and by
+      // 2^-60, which is added to each radius.
+      for (std::size_t k = 0; k < 3; ++k) {
+        planes[k][1] += (object.center[k] - query.center[k]) * 0x1p-17f +
+                        direction.by[k] / direction.length * 0x1p-58f;
+      }
+      const std::array<const float*, 4> pointers = {
+          planes[0].data(), planes[1].data(), planes[2].data(),
+          planes[3].data()};
+      const std::array<float, 4> values = {query.center[0], query.center[1],
+                                           query.center[2], grown_query};
+      std::uint64_t mask = 0;
+      scan(pointers.data(), values.data(), 64, &mask);
+      EXPECT_EQ(mask, ~std::uint64_t{2})
+          << target.name() << ", " << s << ", " << steps;
+    }
+  }
+}
+
+// Of 64 x 4 = 256 in two dimensions the share of 3 is (2 * 2 / 100)^3 =
+// 6.4e-5, whose root is 0.008: sides of 0.4, which is a fifth of 2.
+TEST(SceneOfDimensionTest, IsScaledByHand) {
+  EXPECT_DOUBLE_EQ(ScaleFor(3, 2.0, 2.0), 1.0);
+  EXPECT_NEAR(ScaleFor(2, 2.0, 2.0), 0.2, 1e-12);
+  EXPECT_NEAR(ScaleFor(2, 1.0, 2.0), 0.4, 1e-12);
+}
+
+TEST(SceneOfDimensionTest, IsTheSceneInThree) {
+  const Workload scene = MakeScene(100, 10, /*seed=*/9, [](double) {});
+  const SceneOf<3> same = MakeSceneOf<3>(100, 10, /*seed=*/9);
+  EXPECT_EQ(same.scale, 1.0);
+  for (std::size_t i = 0; i < 100; ++i) {
+    EXPECT_EQ(same.objects.Get(i), scene.objects.Get(i));
+  }
+  EXPECT_EQ(same.queries, scene.queries);
+}
+
+TEST(SceneOfDimensionTest, KeepsAsManyBoxes) {
+  const auto survivors = [](const auto& scene) {
+    std::size_t count = 0;
+    for (const auto& query : scene.queries) {
+      count += CountSurvivors(scene.objects.view().aabb(), query.aabb());
+    }
+    return static_cast<double>(count);
+  };
+  const double in_3 = survivors(MakeSceneOf<3>(4000, 500, /*seed=*/1));
+  EXPECT_NEAR(survivors(MakeSceneOf<2>(4000, 500, 1)) / in_3, 1.0, 0.4);
+  EXPECT_NEAR(survivors(MakeSceneOf<4>(4000, 500, 1)) / in_3, 1.0, 0.4);
+}
+
+// ---- The loops. Objects of two sizes: groups survive every stage, or few do.
+
+TEST(PaperLoopsTest, EveryWayAndWidthAgreesWithTheReference) {
+  // More than a tile of 4096, and a word more.
+  constexpr std::size_t kObjects = 2 * 4096 + 64;
+  for (double share : {0.01, 0.2}) {
+    WorkingSet set(SceneOfSize(share, kObjects, /*seed=*/5, 16),
+                   {"test", kObjects});
+    for (Target target : testing::TargetsUnderTest()) {
+      for (StagedScan scan : PaperLoopsFor(target).staged) {
+        if (scan == nullptr) continue;
+        for (Way way : {Way::kFlat, Way::kBranches, Way::kLists}) {
+          for (ShapeKind shape : {ShapeKind::kAabb, ShapeKind::kSimplex}) {
+            for (std::size_t planes : {1u, 2u}) {
+              const auto loop = [=](auto... of) {
+                scan(shape, way, planes, of...);
+              };
+              EXPECT_EQ(set.LoopCase("", shape, loop).check(), "")
+                  << target.name() << ", " << NameOf(way) << ", "
+                  << NameOf(shape) << ", " << planes;
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace halfspace::bench
