@@ -117,7 +117,9 @@ Tables BranchTables(Run& run) {
       for (ShapeKind shape : kCompared) {
         const std::string name = "gate/" + NameOf(target) + "/" +
                                  Fixed(percent, 1) + "/" + NameOf(shape) + "/";
-        for (const auto& [way, planes] : kWays) {
+        for (const auto& each : kWays) {
+          const Way way = each.first;
+          const std::size_t planes = each.second;
           cases.push_back(set.LoopCase(
               name + NameOf(way) + "/" + std::to_string(planes), shape,
               [=](auto... of) { staged(shape, way, planes, of...); }));

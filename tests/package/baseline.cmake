@@ -17,10 +17,13 @@ function(add_baseline_test name target)
 endfunction()
 
 add_baseline_test(package.baseline halfspace)
-# The experiments of cpuinfo-bench are per-target code as well.
-if(TARGET halfspace_bench)
-  add_baseline_test(package.baseline.bench halfspace_bench)
-endif()
+# The ceilings of cpuinfo-bench and the experiments of the paper are per-target code as
+# well.
+foreach(name IN ITEMS bench paper)
+  if(TARGET halfspace_${name})
+    add_baseline_test(package.baseline.${name} halfspace_${name})
+  endif()
+endforeach()
 # The scan must find something when nothing is excused.
 add_baseline_test(package.baseline.control halfspace everything)
 set_tests_properties(package.baseline.control PROPERTIES
