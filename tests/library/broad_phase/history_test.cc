@@ -17,7 +17,7 @@ INSTANTIATE_TEST_SUITE_P(Of, BroadPhaseHistoryTest,
                          ::testing::ValuesIn(LayoutsOf(true)), LayoutName());
 
 TEST_P(BroadPhaseHistoryTest, AnyHistoryIsThatOfTheModel) {
-  const std::size_t rounds = std::max<std::size_t>(4, Scaled(12));
+  const std::size_t rounds = std::max<std::size_t>(8, Scaled(12));
   for (std::size_t round = 0; round < rounds; ++round) {
     constexpr FpMode kModes[] = {FpMode::kDefault, FpMode::kDefault,
                                  FpMode::kTraps, FpMode::kFlushes};
