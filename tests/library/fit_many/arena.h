@@ -21,7 +21,13 @@ namespace halfspace::testing {
 // canaries; or, where it is asked for, right at a page that cannot be touched.
 class Arena {
  public:
-  explicit Arena(std::size_t offset = 0) : offset_(offset) {}
+  // By default canaries are NaN, so that an input that is read by mistake shows
+  // among others; where it has to be refused, it must not be one.
+  static constexpr std::uint32_t kNanCanary = 0x7fc0c5c5u;
+  static constexpr std::uint32_t kFiniteCanary = 0x3f8000c5u;
+
+  explicit Arena(std::size_t offset = 0, std::uint32_t canary = kNanCanary)
+      : offset_(offset), canary_(canary) {}
 
 #if defined(__unix__)
   explicit Arena(GuardedSide side) : side_(side) {}
@@ -38,7 +44,7 @@ class Arena {
 #endif
     Block& block = blocks_.emplace_back();
     block.words.assign(kAround * 3 + (offset_ + count) * sizeof(T) / 4,
-                       kCanary);
+                       canary_);
     const auto address = reinterpret_cast<std::uintptr_t>(block.words.data());
     block.begin = kAround + (64 - address % 64) / 4 + offset_ * sizeof(T) / 4;
     block.end = block.begin + count * sizeof(T) / 4;
@@ -47,7 +53,9 @@ class Arena {
 
   // Nothing was written around any array.
   bool Intact() const {
-    const auto is_canary = [](std::uint32_t word) { return word == kCanary; };
+    const auto is_canary = [this](std::uint32_t word) {
+      return word == canary_;
+    };
     for (const Block& block : blocks_) {
       const auto begin = block.words.begin();
       if (!std::all_of(begin, begin + static_cast<std::ptrdiff_t>(block.begin),
@@ -61,8 +69,6 @@ class Arena {
   }
 
  private:
-  // A NaN, so that an input that is read by mistake shows.
-  static constexpr std::uint32_t kCanary = 0x7fc0c5c5u;
   static constexpr std::size_t kAround = 64;  // words; longer than any vector
 
   struct Block {
@@ -72,6 +78,7 @@ class Arena {
   };
 
   std::size_t offset_ = 0;
+  std::uint32_t canary_ = kNanCanary;
   std::list<Block> blocks_;
 #if defined(__unix__)
   std::optional<GuardedSide> side_;
