@@ -1,5 +1,6 @@
 // One seeded history per bound type, and two constants for all its answers: the
-// same on every target, compiler and machine. A broad phase has the target of
+// same on every target, compiler and machine. The order of ids is that of
+// libstdc++. A broad phase has the target of
 // the process, so ctest runs this once for each (environment.cmake).
 //
 // HALFSPACE_TEST_SCALE does not count here. If an answer or the order is meant
