@@ -29,7 +29,7 @@ class BroadPhaseInput : public HistoryInput {
     constexpr std::uint32_t kStrides[] = {1, 3, 700, 5000};
     BodyHistory history(layout_, choices, most_, kStrides[how_ / 16 % 4],
                         options,
-                        how_ / 64 == 3 ? FpMode::kFlushes : FpMode::kDefault);
+                        how_ / 64 == 3 ? FpMode::kUpward : FpMode::kDefault);
     for (std::size_t steps = 2 + bytes.Below(6); steps-- > 0;) {
       for (std::size_t changes = 1 + bytes.Below(6); changes-- > 0;) {
         history.Change();

@@ -22,7 +22,7 @@ TEST_P(BroadPhaseHistoryTest, AnyHistoryIsThatOfTheModel) {
     constexpr FpMode kModes[] = {FpMode::kDefault, FpMode::kDefault,
                                  FpMode::kTraps, FpMode::kFlushes};
     const FpMode mode = kModes[round / 2 % 4];
-    RandomChoices choices(GetParam(), round, mode == FpMode::kTraps);
+    RandomChoices choices(GetParam(), round, mode != FpMode::kDefault);
     // One with three levels of nodes: 63 % of so many bodies are more than
     // 64^2. It takes nine tenths of the time, so it is short at a small scale.
     const bool is_large = round == 1;

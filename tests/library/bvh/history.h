@@ -25,8 +25,9 @@ class Choices {
   virtual BodyMasks Masks() = 0;
 };
 
-// Bounds of every kind: small ones that move, and each that is special. A
-// search may trap on subnormals, which `may_trap` leaves out.
+// Bounds of every kind: small ones that move, and each that is special.
+// Searches may trap on subnormals or flush them, so `may_trap` leaves these
+// out.
 class RandomChoices final : public Choices {
  public:
   RandomChoices(const Layout& layout, std::uint64_t seed,
