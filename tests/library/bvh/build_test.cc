@@ -246,8 +246,8 @@ TEST_P(BvhBuildTest, AWorldSortsItselfAsItChanges) {
     built->InsertAs(ids, Listed(spheres.Some(ids.size())));
     if (i % 64 == 0) built->RebuildPartial(2048);
   }
-  // A tree of simplices decays further.
-  const std::size_t factor = GetParam().has_max ? 4 : 7;
+  // A tree of simplices in 3 dimensions decays further.
+  const std::size_t factor = GetParam().has_max || GetParam().dims == 2 ? 4 : 7;
   EXPECT_LE(LeavesVisited(*built), factor * least + 2 * kQueries);
 }
 
