@@ -785,11 +785,10 @@ hs_status hs_pair_options_default(hs_pair_options* options,
         #Type "_pairs_of_each",                                                \
         {.a = in, .ids = ids, .count = count, .is_of_set = true}, options,     \
         function, context);                                                    \
-  }                                                                            \
-  static_assert(true)
+  }
 
-HALFSPACE_SEARCHES(hs_bvh);
-HALFSPACE_SEARCHES(hs_broad_phase);
+HALFSPACE_SEARCHES(hs_bvh)
+HALFSPACE_SEARCHES(hs_broad_phase)
 #undef HALFSPACE_SEARCHES
 
 hs_status hs_bvh_pairs(const hs_bvh* bvh, const hs_pair_options* options,

@@ -8,10 +8,16 @@
 include(FetchContent)
 
 set(highway_repository https://github.com/google/highway.git)
+# With FIND_PACKAGE_ARGS, a declaration of the project around this one counts first.
+set(of_the_system)
+if(NOT CMAKE_VERSION VERSION_LESS 3.24)
+  set(of_the_system FIND_PACKAGE_ARGS 1.0.3 NAMES hwy CONFIG)
+endif()
 FetchContent_Declare(highway
   GIT_REPOSITORY ${highway_repository}
   GIT_TAG 2607d3b5b0113992fe84d3848859eae13b3b52c1  # 1.4.0
-  SOURCE_SUBDIR none)  # a folder without CMakeLists.txt, so that nothing is built
+  SOURCE_SUBDIR none  # a folder without CMakeLists.txt, so that nothing is built
+  ${of_the_system})
 
 function(halfspace_stop_without_highway why)
   message(FATAL_ERROR
@@ -47,7 +53,7 @@ if(NOT highway_POPULATED AND NOT FETCHCONTENT_SOURCE_DIR_HIGHWAY)
   endif()
 endif()
 
-if(NOT highway_FOUND)
+if(of_the_system OR NOT highway_FOUND)
   FetchContent_MakeAvailable(highway)
 endif()
 

@@ -37,7 +37,7 @@ if(NOT HALFSPACE_C)
   set(not_installed PATTERN c/halfspace.h EXCLUDE)
 endif()
 install(DIRECTORY include/ DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}"
-        COMPONENT halfspace_development ${not_installed})
+        COMPONENT halfspace_development FILES_MATCHING PATTERN "*.h" ${not_installed})
 if(TARGET halfspace_static)
   install(TARGETS halfspace_static EXPORT halfspaceTargets
     ARCHIVE COMPONENT halfspace_development

@@ -1,6 +1,5 @@
-// What compilers spell differently: attributes, unrolling and prefetching. No
-// other source asks which compiler this is, except for the floating-point mode
-// (dispatch/exact/default_fp_mode.h) and CPUID (dispatch/targets).
+// What compilers spell differently in kernels and below: attributes, unrolling,
+// prefetching, std::bit_cast.
 #ifndef HALFSPACE_KERNELS_COMPILER_H_
 #define HALFSPACE_KERNELS_COMPILER_H_
 

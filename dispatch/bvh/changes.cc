@@ -486,7 +486,7 @@ void BvhState::Put(std::size_t slot, std::uint32_t id, const float* values) {
 std::uint32_t BvhTree::Insert(Span<const float> values) {
   BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::Insert";
-  tree.CheckLoaded(kCall);
+  tree.CheckChange(kCall);
   std::size_t slot =
       dispatch::InDefaultFpMode([&] { return tree.FindSlot(values.data()); });
   tree.Prepare(kCall,
@@ -516,6 +516,7 @@ void BvhTree::Insert(const Columns& bounds, Span<std::uint32_t> ids) {
         std::to_string(ids.size()));
   }
   if (bounds.size == 0) return;
+  tree.CheckChange(kCall);
   tree.Append(
       bounds, tree.RoomFor(bounds.size, kCall),
       [&](std::size_t i) {
@@ -561,9 +562,9 @@ void BvhTree::InsertAs(Span<const std::uint32_t> ids, const Columns& bounds) {
       bounds, room, [&](std::size_t i) { return ids[i]; }, kCall);
 }
 
-// A short list takes empty slots, as single objects do. If it is not very
-// short, all its slots are found by the nodes as they were before. Sorts the
-// new slots, or all, if that is due.
+// After CheckChange(). A short list takes empty slots, as single objects do.
+// With more than a few objects, nodes are encoded once, after all have a slot.
+// Sorts the new slots, or all, if that is due.
 template <typename IdOf>
 void BvhState::Append(const Columns& bounds, const BvhRoom& room,
                       const IdOf& id_of, const char* call) {
@@ -656,8 +657,10 @@ void BvhTree::Reserve(std::size_t objects) {
   const std::size_t room = objects <= tree.size()
                                ? tree.slots()
                                : tree.slots() + (objects - tree.size());
-  dispatch::CheckObjectCount(kCall, "objects", objects);
-  dispatch::CheckObjectCount(kCall, "objects", room);
+  if (std::max(objects, room) >= dispatch::kMostObjects) {
+    dispatch::ThrowInvalid(kCall, "objects", "fewer than 2^31 objects in all",
+                           std::to_string(objects));
+  }
   tree.Prepare(kCall, {room, 1, false});
 }
 

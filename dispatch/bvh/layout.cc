@@ -422,11 +422,8 @@ BvhPart AsIs(const PlaneLayout& layout, const BvhLevels& levels,
   return as_is;
 }
 
-bool OrMasks(BvhLevels& levels, std::size_t level, std::size_t block) {
-  std::uint32_t& node = levels.level[level + 1].masks[block];
-  const std::uint32_t before = node;
-  node = levels.level[level].MasksOf(block);
-  return node != before;
+void OrMasks(BvhLevels& levels, std::size_t level, std::size_t block) {
+  levels.level[level + 1].masks[block] = levels.level[level].MasksOf(block);
 }
 
 void OrAllMasks(BvhLevels& levels) {

@@ -228,8 +228,8 @@ void EncodeSlots(BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
                  std::size_t begin, std::size_t end);
 
 // Sets the masks of the node above a block, or of all nodes, to the union of
-// the masks below them. Returns whether that changes the node.
-bool OrMasks(BvhLevels& levels, std::size_t level, std::size_t block);
+// the masks below them.
+void OrMasks(BvhLevels& levels, std::size_t level, std::size_t block);
 void OrAllMasks(BvhLevels& levels);
 
 // Copies the bounds of the slots of a block whose bits are set. Slot s gets

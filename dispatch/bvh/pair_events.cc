@@ -566,7 +566,6 @@ void PairEventsCore::UpdateSome(const PairSources& sources,
   }
   PairList found(memory());
   const PairSources of_present = {sources.kernels, &tree, nullptr, &present};
-  // Also without ids, because the search checks the options.
   Search(of_present, options, filter).Run(0, found);
   const IdSet changed(memory(), ids, id_limit_);
   Removal removal(pairs_);

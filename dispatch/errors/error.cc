@@ -2,6 +2,8 @@
 
 #include <array>
 #include <atomic>
+#include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -26,17 +28,24 @@ std::string Name(std::string_view argument, std::size_t index) {
 template <typename Scalar>
 std::string TextOf(Scalar value) {
   using Limits = std::numeric_limits<Scalar>;
+  if (std::isnan(value)) return "nan";
   std::array<char, 32> printed;
+  const int its_errno = errno;
   // Conversions compute, so the caller's mode could round them or trap them.
   dispatch::InDefaultFpMode([&] {
     for (int digits = Limits::digits10; digits <= Limits::max_digits10;
          ++digits) {
       std::snprintf(printed.data(), printed.size(), "%.*g", digits,
                     double{value});
+      // Of a float the text of 9 digits is another double.
       const double read = std::strtod(printed.data(), nullptr);
-      if (static_cast<Scalar>(read) == value) break;
+      if (std::abs(read) <= Limits::max() &&
+          static_cast<Scalar>(read) == value) {
+        break;
+      }
     }
   });
+  errno = its_errno;
   // The point can be another character, of several bytes.
   std::string text;
   for (const char* c = printed.data(); *c != '\0'; ++c) {

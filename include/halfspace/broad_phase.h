@@ -30,9 +30,9 @@
 //   Save(), a copy, Statistics() and Validate() wait until no query runs, and
 //   then run alone, except that bodies may move. So a thread must not make one
 //   of these calls while it holds a lock that the function of a query needs.
-//   The function of a query must not make one: it throws (error.h). While a
-//   call waits, a query that begins waits for it for 50 us at most. So a call
-//   may wait without end if longer queries overlap each other all the time.
+//   The function of a query must not make one: it throws (error.h). A query
+//   that begins lets a waiting call go first, for 50 us at most. If queries
+//   take longer and always overlap, the call may never run.
 // - A query never waits for a query, and Move() waits for nothing.
 // - The functions that calls that run alone call (PairFilter::keep, Runner and
 //   the function of Save()) must not call the broad phase, except Move(), Has()
@@ -128,8 +128,8 @@ struct UpdateOptions {
   // is above 2. Otherwise it is at most two for each body that changed since
   // the last update that sorted, and none is sorted before that is 2048 or
   // size(). It reads the ratio when a 64th of the bodies or 1024 have changed,
-  // or when none has. If the ratio is above 2, and the budget is not less than
-  // size(), all are sorted as by Rebuild().
+  // or if no body has changed since the last update. If the ratio is above 2,
+  // and the budget is not less than size(), all are sorted as by Rebuild().
   std::size_t budget = kAutomatic;
   // Used when all are sorted (runner.h).
   Runner run = {};
@@ -284,8 +284,8 @@ class BroadPhase {
   // ForEachPairOf() must not run at the same time.
   // As with Bvh::FromBlob(), altered bytes can change results, but no call
   // reads or writes outside the memory of the broad phase. They can make Load()
-  // allocate 2000 times their size. Errors: the bytes
-  // are not from Save() of this type, byte order and format, or were cut. A
+  // allocate 2200 times their size, and 4 MB more. Errors: the bytes are not
+  // from Save() of this type, byte order and format, or were cut. A
   // handler of errors must not call longjmp then (error.h).
   template <typename Write>
   void Save(Write&& write) const {

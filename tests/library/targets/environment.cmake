@@ -9,7 +9,8 @@ set(names
 halfspace_add_library_test_executable(environment_test targets/environment_test.cc)
 list(JOIN names "\",\"" quoted)
 target_compile_definitions(environment_test
-  PRIVATE "HALFSPACE_TRIED_NAMES=\"${quoted}\"")
+  PRIVATE "HALFSPACE_TRIED_NAMES=\"${quoted}\""
+          "HALFSPACE_TEST_DATA=\"${CMAKE_CURRENT_SOURCE_DIR}/bvh/data\"")
 
 function(halfspace_add_environment_test name change)
   add_test(NAME environment_test.${name} COMMAND environment_test)

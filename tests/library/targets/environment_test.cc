@@ -4,12 +4,20 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
+#include "halfspace/bvh.h"
 #include "halfspace/fit_many.h"
 #include "halfspace/reject.h"
 #include "halfspace/targets.h"
@@ -117,6 +125,28 @@ TEST(EnvironmentTest, CallsRunWhatItNamesOrRefuse) {
     EXPECT_EQ(TargetThatRuns(empty, Aabo3::Everything(), {}), expected);
   }
   EXPECT_TRUE(outputs.Untouched());
+}
+
+// The stored BVH has free places, so an insertion looks for one of them first.
+TEST(EnvironmentTest, ChangesOfABvhRunWhatItNamesOrRefuse) {
+  std::ifstream file(HALFSPACE_TEST_DATA "/octahedra.5.bvh", std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+  AaboBvh3 bvh = AaboBvh3::FromBlob(std::as_bytes(std::span(bytes)));
+  const std::vector<Aabo3> bounds(8, Aabo3::Everything());
+  std::vector<std::uint32_t> ids(bounds.size());
+  const std::pair<const char*, std::function<void()>> changes[] = {
+      {"Bvh::Insert: ", [&] { bvh.Insert(bounds[0]); }},
+      {"Bvh::Insert: ", [&] { bvh.Insert(bounds, ids); }},
+      {"Bvh::Set: ", [&] { bvh.Set(0, bounds[0]); }},
+      {"Bvh::Erase: ", [&] { bvh.Erase(0); }},
+  };
+  for (const auto& [name, change] : changes) {
+    if (MustBeRefused()) {
+      EXPECT_TRUE(Refuses(change, {name, "HALFSPACE_TARGET"})) << name;
+    } else {
+      change();
+    }
+  }
 }
 
 TEST(EnvironmentTest, AskingDoesNotThrow) {
