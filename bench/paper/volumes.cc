@@ -56,6 +56,7 @@ Table VolumesTable(Run& run) {
     VolumeSet set(ScenePoints(seed), size.objects, kTimedQueries);
     for (Target target : run.TargetsIn(size.name)) {
       std::vector<Case> cases;
+      cases.reserve(kVolumeTests.size());
       for (const VolumeTest& test : kVolumeTests) {
         cases.push_back(
             set.MakeCase("volumes/" + size.name + "/" + NameOf(target) + "/" +

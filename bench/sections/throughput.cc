@@ -91,6 +91,7 @@ Call PairsCall(const char* name, WorldOf world_of) {
 
 std::vector<Call> Calls() {
   std::vector<Call> calls;
+  calls.reserve(std::size(kShapes));
   for (ShapeKind shape : kShapes) calls.push_back(MasksCall(shape));
   calls.push_back({"AABO uint8 refined, counts of many", ShapeKind::kAabo,
                    [](Scene& scene, Target target) {

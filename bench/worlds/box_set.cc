@@ -164,17 +164,17 @@ constexpr SkewedWorld kSkewedWorlds[] = {
 std::span<const SkewedWorld> SkewedWorlds() { return kSkewedWorlds; }
 
 template <int kDims>
-BoxSet<kDims> MakeUniformBoxes(std::string name, std::size_t count, float side,
-                               std::uint64_t seed) {
+BoxSet<kDims> MakeUniformBoxes(const std::string& name, std::size_t count,
+                               float side, std::uint64_t seed) {
   Random random(seed);
   BoxSet<kDims> set =
       Make<kDims>(count, [&] { return UniformBox<kDims>(side, random); });
-  set.name = std::move(name);
+  set.name = name;
   return set;
 }
-template BoxSet<2> MakeUniformBoxes<2>(std::string, std::size_t, float,
+template BoxSet<2> MakeUniformBoxes<2>(const std::string&, std::size_t, float,
                                        std::uint64_t);
-template BoxSet<3> MakeUniformBoxes<3>(std::string, std::size_t, float,
+template BoxSet<3> MakeUniformBoxes<3>(const std::string&, std::size_t, float,
                                        std::uint64_t);
 
 BoxSet<3> BoxesOf(std::string name, const Workload& workload) {

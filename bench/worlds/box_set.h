@@ -23,8 +23,8 @@ struct BoxSet {
 // Boxes of that side with centers uniform in [-50, 50]^kDims, and queries of
 // the same kind. The same seed gives the same boxes on every machine.
 template <int kDims>
-BoxSet<kDims> MakeUniformBoxes(std::string name, std::size_t count, float side,
-                               std::uint64_t seed);
+BoxSet<kDims> MakeUniformBoxes(const std::string& name, std::size_t count,
+                               float side, std::uint64_t seed);
 
 // Worlds of boxes in 3D, and queries of the same kind, without the few that
 // skew a world. The first one has 50 clusters: how many boxes a cluster has,
