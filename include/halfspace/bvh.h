@@ -272,7 +272,7 @@ class Bvh {
   // all ids before it changes anything. `ids` must not be ids(). Encodes each
   // leaf and each node once, so many objects take less time than with one call
   // per object, and a few take as long (docs/bvh.md). Allocates and frees up to
-  // a bit per leaf. For all objects, use Refit().
+  // a bit per place. For all objects, use Refit().
   void Set(Span<const std::uint32_t> ids, Span<const Bound> bounds) {
     tree_.Set(ids, detail::ColumnsOf(bounds));
   }
@@ -293,10 +293,11 @@ class Bvh {
 
   // Adds several objects and writes their ids: ids[i] is that of bounds[i].
   // `ids.size()` must be at least `bounds.size()`. Up to a 16th of the size()
-  // takes places as in single insertions, and more objects take new places at
-  // the end. They are sorted where the same number of single insertions would
-  // sort, but all at once. Grows the block at most once, and allocates and
-  // frees up to a bit per place. If there is no memory to sort with, the
+  // takes empty places as single insertions do, but in leaves as they were
+  // before the call, if they are more than a few. More objects take new places
+  // at the end. They are sorted where the same number of single insertions
+  // would sort, but all at once. Grows the block at most once, and allocates
+  // and frees up to a bit per place. If there is no memory to sort with, the
   // objects stay unsorted.
   void Insert(Span<const Bound> bounds, Span<std::uint32_t> ids) {
     tree_.Insert(detail::ColumnsOf(bounds), ids);
