@@ -148,8 +148,12 @@ halfspace_add_table(bvh_shapes BvhShapeKernels
 # Highway 1.0.3 has no vectors of doubles on WebAssembly: the kernels with doubles are
 # plain code there. Each list of kernels has one entry, whatever it is called.
 if(EMSCRIPTEN)
+  set(words "${PROJECT_BINARY_DIR}/kernels/words_of_doubles.cc")
+  file(CONFIGURE OUTPUT "${words}" CONTENT "#include \"kernels/scan/words.cc\"\n")
+  target_sources(halfspace PRIVATE "${words}")
   get_target_property(sources halfspace SOURCES)
-  list(FILTER sources INCLUDE REGEX "/(scan_double|fit_spheres|fit_triangles|fit_point_sets)")
+  list(FILTER sources INCLUDE REGEX
+       "/(scan_double|words_of_doubles|fit_spheres|fit_triangles|fit_point_sets)")
   set_property(SOURCE ${sources} APPEND PROPERTY COMPILE_OPTIONS
     -UHWY_COMPILE_ONLY_STATIC -DHWY_COMPILE_ONLY_SCALAR)
 endif()
