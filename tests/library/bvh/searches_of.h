@@ -151,6 +151,7 @@ class SearchesOf : public Base {
       return query;
     } else if constexpr (std::is_same_v<Query, std::vector<HalfSpace<kDims>>>) {
       Query list(shape.numbers.size() / (kDims + 1));
+      if (list.empty()) return list;
       std::memcpy(static_cast<void*>(list.data()), shape.numbers.data(),
                   list.size() * sizeof(list[0]));
       return list;
