@@ -26,15 +26,16 @@ else()
 endif()
 set(HALFSPACE_SWEEP_ONE NEON:128)
 set(HALFSPACE_SWEEP_NONE "")
-# Highway's plain fall-back has another name, and width, by compiler.
-if(EMSCRIPTEN)
-elseif(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  list(APPEND HALFSPACE_SWEEP SCALAR:32)
-  list(APPEND HALFSPACE_SWEEP_EACH SCALAR:32)
-else()
-  list(APPEND HALFSPACE_SWEEP EMU128:128)
-  list(APPEND HALFSPACE_SWEEP_EACH EMU128:128)
+# Highway's plain fall-back has another name, and width, by compiler. A module of
+# WebAssembly has none.
+set(fall_back "")
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  set(fall_back SCALAR:32)
+elseif(NOT EMSCRIPTEN)
+  set(fall_back EMU128:128)
 endif()
+list(APPEND HALFSPACE_SWEEP ${fall_back})
+list(APPEND HALFSPACE_SWEEP_EACH ${fall_back})
 
 # Registers the tests of `target`: each on its own, or, under an emulator, the
 # whole executable as TARGET.HIGHWAY_TARGET.BITS for emulated machines: all of

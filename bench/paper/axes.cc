@@ -1,4 +1,4 @@
-// The paper's axes, and those of a regular simplex.
+// Survivors with the paper's axes and with the axes of a regular simplex.
 #include <array>
 #include <cstddef>
 #include <vector>

@@ -26,8 +26,8 @@ struct Plane {
   bool is_min;         // rejects if object > query; else if object < query
 };
 
-// The order of the paper: the planes of a box axis by axis, those of an
-// octahedron simplex by simplex.
+// The order of the paper: a box axis by axis, an octahedron simplex by
+// simplex.
 inline constexpr std::array<Plane, 4> kSimplexOrder = {
     {{0, 0, true}, {1, 1, true}, {2, 2, true}, {3, 3, true}}};
 inline constexpr std::array<Plane, 6> kAabbOrder = {{{0, 3, true},

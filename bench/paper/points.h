@@ -20,8 +20,8 @@ NextPoints ScenePoints(std::uint64_t seed);
 
 // With centers uniform in [-50, 50]^3:
 //   balls  50 points uniform in a ball of radius 1, anew for each object
-//   boxes  the corners of a box with sides uniform in (0, 3.5), as long in the
-//          mean as those around the balls
+//   boxes  the corners of a box with sides uniform in (0, 3.5): on average, a
+//          box around a ball has sides as long
 //   mixed  these two in turn
 NextPoints BallPoints(std::uint64_t seed);
 NextPoints BoxPoints(std::uint64_t seed);

@@ -31,8 +31,8 @@ HWY_INLINE uint64_t BitsOfWidth(D d, const float* const* planes, size_t i,
     return KeptBits<kMins, kObjects>(d, LoadAll(), planes, i, query...);
 }
 
-// The bits of those of objects i ... i + kObjects - 1 that survive the planes
-// kFirst, kFirst + 1, ... of an order. The minima among them come first.
+// A bit for each of the objects i ... i + kObjects - 1: whether it survives the
+// planes kFirst, kFirst + 1, ... of an order. The minima among them come first.
 template <const auto& kOrder, size_t kFirst, size_t kObjects, size_t... kPlane,
           class D>
 HWY_INLINE uint64_t StageBits(std::index_sequence<kPlane...>, D d,

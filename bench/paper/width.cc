@@ -1,5 +1,5 @@
-// Simplex or box, by the number of lanes: the same loops with vectors of each
-// width of the best target, after those of scalar code.
+// Simplex or box, by the number of lanes: the same loop in scalar code, and
+// then with vectors of each width of the best target.
 #include <optional>
 #include <vector>
 

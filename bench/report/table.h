@@ -21,7 +21,7 @@ struct Column {
   std::string name;
   std::string unit = {};
   bool is_key = false;  // with the other keys, it identifies a row
-  // Columns that have a better side can be compared with those of other runs.
+  // Two runs can be compared by a column that has a better side.
   Better better = Better::kNeither;
   int digits = 2;  // after the point, in text
 };

@@ -522,31 +522,32 @@ class BodyChanges {
         run_.is_quick()
             ? 3
             : std::clamp<std::size_t>((1u << 20) / all_.size(), 33, 400);
-    const std::vector<Ns> ns = TimeSteps(
-        frames, 2,
-        [&](std::size_t frame) {
-          if (frame != 0 &&
-              (found[0] != found[1] || found[2] != Pairs(tree_, {}))) {
-            throw WrongAnswer("broad_phase: the pairs are not those of a Bvh");
-          }
-          const std::size_t turn = frame % (2 * Scene::kStates - 2);
-          to = &states[std::min(turn, 2 * Scene::kStates - 2 - turn)];
-        },
-        {[&] { ChangeTree<kDims>(tree_, moved, *to); },
-         [&] {
-           found[0] = moved.size() == all_.size()
-                          ? Pairs(tree_, pairs)
-                          : PairsOf(tree_, moved, pairs);
-         },
-         [&] {
-           space_.Move(moved, *to);
-           space_.Update();
-         },
-         [&] { found[1] = PairsOf(space_, moved, pairs); },
-         [&] {
-           space_.UpdatePairs();
-           found[2] = space_.pairs().size();
-         }});
+    const std::vector<Ns> ns =
+        TimeSteps(frames, 2,
+                  [&](std::size_t frame) {
+                    if (frame != 0 && (found[0] != found[1] ||
+                                       found[2] != Pairs(tree_, {}))) {
+                      throw WrongAnswer(
+                          "broad_phase: a Bvh of the bodies has other pairs");
+                    }
+                    const std::size_t turn = frame % (2 * Scene::kStates - 2);
+                    to = &states[std::min(turn, 2 * Scene::kStates - 2 - turn)];
+                  },
+                  {[&] { ChangeTree<kDims>(tree_, moved, *to); },
+                   [&] {
+                     found[0] = moved.size() == all_.size()
+                                    ? Pairs(tree_, pairs)
+                                    : PairsOf(tree_, moved, pairs);
+                   },
+                   [&] {
+                     space_.Move(moved, *to);
+                     space_.Update();
+                   },
+                   [&] { found[1] = PairsOf(space_, moved, pairs); },
+                   [&] {
+                     space_.UpdatePairs();
+                     found[2] = space_.pairs().size();
+                   }});
     const std::string what = "frame of " + std::to_string(percent) + " %, ";
     Add(what + "move and update", moved.size(), ns[2], ns[0]);
     Add(what + "the longest of them", moved.size(),

@@ -44,9 +44,8 @@ std::vector<Contender> LibraryContenders();
 // would be too short, and the more so the more contenders there are.
 double BestTime(std::span<const std::vector<double>> samples);
 
-// A target and the lanes of the vectors that are used. Of each shape, the
-// simplex first, the contenders end with those of the schedules flat and
-// staged.
+// A target and the lanes of its vectors. The contenders are ordered by shape,
+// the simplex first. Of each shape, the schedules flat and staged come last.
 struct VerdictColumn {
   std::string name;  // "AVX2, 8"
   Target target;

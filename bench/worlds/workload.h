@@ -56,8 +56,8 @@ Workload WorkloadOfTriangles(std::string name,
                              const std::vector<std::uint32_t>& indices,
                              std::size_t queries);
 
-// Octahedra around the boxes of a workload, and around those of the queries to
-// be timed: content that is known as boxes only.
+// The workload with each bound, of objects and of timed queries, replaced by
+// the octahedron around its box: content that is known as boxes only.
 Workload BoxesOf(const Workload& workload);
 
 // Boxes as a workload, and as what is queried with.
