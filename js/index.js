@@ -192,6 +192,15 @@ const isDouble = (array) => (array instanceof Float64Array ? 1 : 0);
 
 const registry = new FinalizationRegistry((bvh) => wasm.bvh_destroy(bvh));
 
+// In place of boxes: a BVH of the module, for a new owner.
+class Made {
+  constructor(dimensions, bvh, argument) {
+    if (bvh === 0) failAsModule(argument);
+    this.dimensions = dimensions;
+    this.bvh = bvh;
+  }
+}
+
 export class BVH {
   #bvh;
   #dimensions;
@@ -203,10 +212,15 @@ export class BVH {
     if (quality !== 'high' && quality !== 'fast') {
       fail('quality', `expected "high" or "fast", got ${quality}`);
     }
-    const array = boxesOf('boxes', boxes, dimensions);
-    this.#own(dimensions, withMemory((allocate) => wasm.bvh_create(
-      dimensions, isDouble(array), copyIn(allocate, array),
-      array.length / (2 * dimensions), quality === 'fast' ? 1 : 0)));
+    const made = boxes instanceof Made ? boxes : withMemory((allocate) => {
+      const array = boxesOf('boxes', boxes, dimensions);
+      return new Made(dimensions, wasm.bvh_create(
+        dimensions, isDouble(array), copyIn(allocate, array),
+        array.length / (2 * dimensions), quality === 'fast' ? 1 : 0));
+    });
+    this.#bvh = made.bvh;
+    this.#dimensions = made.dimensions;
+    registry.register(this, made.bvh, this);
   }
 
   static fromBytes(bytes) {
@@ -218,18 +232,9 @@ export class BVH {
       const address = copyIn(allocate, from);
       const dimensions = check(wasm.blob_dimensions(address, from.length));
       if (dimensions === 0) fail('bytes', 'expected a BVH of boxes, got another kind of bounds');
-      const bvh = new BVH([], { dimensions });
-      bvh.dispose();
-      bvh.#own(dimensions, wasm.bvh_from_blob(dimensions, address, from.length), 'bytes');
-      return bvh;
+      return new BVH(new Made(dimensions,
+        wasm.bvh_from_blob(dimensions, address, from.length), 'bytes'));
     });
-  }
-
-  #own(dimensions, bvh, argument) {
-    if (bvh === 0) failAsModule(argument);
-    this.#bvh = bvh;
-    this.#dimensions = dimensions;
-    registry.register(this, bvh, this);
   }
 
   dispose() {
