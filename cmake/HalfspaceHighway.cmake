@@ -98,9 +98,6 @@ list(JOIN HALFSPACE_DISABLED_TARGETS "|" HALFSPACE_DISABLED_TARGETS)
 function(halfspace_use_highway target)
   if(HALFSPACE_ONLY_SCALAR)
     target_compile_definitions(${target} PRIVATE HWY_COMPILE_ONLY_SCALAR)
-  elseif(EMSCRIPTEN)
-    # A module of WebAssembly has one instruction set.
-    target_compile_definitions(${target} PRIVATE HWY_COMPILE_ONLY_STATIC)
   elseif(HALFSPACE_EXTRA_TARGETS)
     target_compile_definitions(${target} PRIVATE
       HWY_COMPILE_ALL_ATTAINABLE HWY_WANT_AVX3_DL)
