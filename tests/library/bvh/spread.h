@@ -2,8 +2,6 @@
 #ifndef HALFSPACE_TESTS_LIBRARY_BVH_SPREAD_H_
 #define HALFSPACE_TESTS_LIBRARY_BVH_SPREAD_H_
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -24,13 +22,6 @@ inline Ids InOrder(std::span<const std::uint32_t> ids) {
   std::sort(sorted.begin(), sorted.end());
   return sorted;
 }
-
-using BvhCases = Tested<
-    ::testing::Types<Whole<SimplexView2>, Whole<SimplexView3>, Whole<AabbView2>,
-                     Whole<AabbView3>, Whole<AaboView2>, Whole<AaboView3>>>;
-// Of each kind one, for changes and blobs: a tree knows its planes by number.
-using FewBvhCases = Tested<
-    ::testing::Types<Whole<SimplexView2>, Whole<AabbView3>, Whole<AaboView3>>>;
 
 // An octahedron as an object of the view, and as a query.
 template <typename View>
@@ -64,11 +55,6 @@ class Spread {
 
   Bound NextObject() { return ObjectOf<View>(Next()); }
   Query NextQuery() { return QueryOf<View>(Next()); }
-  std::vector<Query> Queries(std::size_t count) {
-    std::vector<Query> queries;
-    for (std::size_t q = 0; q < count; ++q) queries.push_back(NextQuery());
-    return queries;
-  }
   World<View> Objects(std::size_t count) {
     World<View> world;
     for (std::size_t i = 0; i < count; ++i) world.Push(NextObject());

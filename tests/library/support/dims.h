@@ -1,12 +1,9 @@
-// Typed tests over 2, 3 and 4 dimensions, or those that this build tests.
+// The dimensions that this build tests.
 #ifndef HALFSPACE_TESTS_LIBRARY_SUPPORT_DIMS_H_
 #define HALFSPACE_TESTS_LIBRARY_SUPPORT_DIMS_H_
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cstddef>
-#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -15,15 +12,8 @@ namespace halfspace::testing {
 template <int kDims>
 using DimsConstant = std::integral_constant<int, kDims>;
 
-#if defined(HALFSPACE_TEST_ONLY_3D)
-using AllDims = ::testing::Types<DimsConstant<3>>;
-#else
-using AllDims =
-    ::testing::Types<DimsConstant<2>, DimsConstant<3>, DimsConstant<4>>;
-#endif
-
-// The same, for loops. Of each file by itself: rows of tables are compiled for
-// all dimensions that the library has.
+// Of each file by itself: rows of tables are compiled for all dimensions that
+// the library has.
 [[maybe_unused]] static std::vector<std::size_t> TestDims() {
 #if defined(HALFSPACE_TEST_ONLY_3D)
   return {3};
@@ -41,13 +31,6 @@ std::vector<Row> InDims(const std::vector<std::size_t>& dims,
   });
   return rows;
 }
-
-struct DimsNames {
-  template <typename Dims>
-  static std::string GetName(int) {
-    return std::to_string(Dims::value) + "D";
-  }
-};
 
 }  // namespace halfspace::testing
 

@@ -9,7 +9,6 @@
 #include <limits>
 #include <random>
 #include <span>
-#include <vector>
 
 #include "tests/library/support/cases.h"
 #include "tests/library/support/special_values.h"
@@ -106,13 +105,6 @@ class PlaneValueSource {
   bool run_rejects_ = false;
 };
 
-// The planes of a world of `View`, and a query.
-template <typename View>
-struct Input {
-  std::array<std::vector<ScalarOf<View>>, kPlanes<View>> planes;
-  typename View::Query query;
-};
-
 // Fills a plane, and returns the query's value for it.
 template <typename T>
 T FillPlane(InputKind kind, bool is_min, std::span<T> plane, Random& random) {
@@ -122,33 +114,6 @@ T FillPlane(InputKind kind, bool is_min, std::span<T> plane, Random& random) {
   PlaneValueSource<T> source(kind, is_min, query);
   for (T& value : plane) value = source.Next(random);
   return query;
-}
-
-template <typename View>
-Input<View> MakeInput(InputKind kind, std::size_t objects, Random& random) {
-  Input<View> input;
-  for (std::size_t p = 0; p < kPlanes<View>; ++p) {
-    auto& plane = input.planes[p];
-    plane.resize(objects);
-    OpposingValue<View>(input.query, p) =
-        FillPlane<ScalarOf<View>>(kind, IsMinPlane<View>(p), plane, random);
-  }
-  return input;
-}
-
-// `size` objects of the input, each plane from an element of its own on, so
-// that no two planes share an alignment: up to `misalignments` elements further
-// than the first.
-template <typename View>
-View ViewAt(const Input<View>& input, std::size_t offset, std::size_t size,
-            std::size_t misalignments) {
-  View view;
-  for (std::size_t p = 0; p < kPlanes<View>; ++p) {
-    PlaneOf(view, p) =
-        input.planes[p].data() + (offset + 3 * p) % misalignments;
-  }
-  view.size = size;
-  return view;
 }
 
 }  // namespace halfspace::testing

@@ -4,7 +4,6 @@
 #ifndef HALFSPACE_TESTS_LIBRARY_SUPPORT_SEEDED_NUMBERS_H_
 #define HALFSPACE_TESTS_LIBRARY_SUPPORT_SEEDED_NUMBERS_H_
 
-#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -72,25 +71,6 @@ class SeededNumbers {
   float Length() {
     const float length = Below(2) == 0 ? OnGrid() : WithExponent(-40, 2);
     return length < 0.f ? -length : length;
-  }
-
-  template <std::size_t kCount>
-  std::array<float, kCount> Coordinates() {
-    std::array<float, kCount> coordinates;
-    for (float& coordinate : coordinates) coordinate = Coordinate();
-    return coordinates;
-  }
-
-  // Doubles that no float holds.
-  template <std::size_t kCount>
-  std::array<double, kCount> DoubleCoordinates() {
-    std::array<double, kCount> coordinates;
-    for (double& coordinate : coordinates) {
-      const double high = Coordinate();
-      const double low = 0x1p-26 * double{WithExponent(-4, 3)};
-      coordinate = high + low;
-    }
-    return coordinates;
   }
 
  private:
