@@ -1,0 +1,314 @@
+"""Geometries of shapely in a BVH, by the calls of `shapely.STRtree` 2.
+
+    from halfspace.geo import STRtree
+
+    tree = STRtree(polygons)
+    rows, ids = tree.query(lines, predicate="intersects")
+
+Works with shapely 1.8, where exact tests are made one by one, and with 2, where they
+are made all in one call.
+"""
+
+from typing import Any, Iterable, Optional, Tuple, Union
+
+import numpy as np
+import shapely  # type: ignore
+from shapely.geometry.base import BaseGeometry  # type: ignore
+from shapely.prepared import prep  # type: ignore
+
+from ._bvh import BVH
+
+__all__ = ["STRtree"]
+
+_PREDICATES = (
+    "intersects",
+    "within",
+    "contains",
+    "overlaps",
+    "crosses",
+    "touches",
+    "covers",
+    "covered_by",
+    "contains_properly",
+    "dwithin",
+)
+_IS_VECTORISED = hasattr(shapely, "STRtree") and hasattr(shapely, "bounds")
+
+
+class STRtree:
+    """Finds geometries by their bounding boxes, and by exact predicates.
+
+    Parameters
+    ----------
+    geoms : sequence of geometries
+        Those that are None or empty are never found.
+    node_capacity : int
+        Is not used: a node has 64 children.
+
+    Notes
+    -----
+    Calls return what those of `shapely.STRtree` of shapely 2 return, and can run on
+    several threads. Boxes are compared as doubles. Z is ignored.
+    """
+
+    def __init__(self, geoms: Iterable[Any], node_capacity: int = 10):
+        self._geometries = _array_of(geoms, "geoms")
+        bounds = _bounds_of(self._geometries)
+        # The index of each geometry that has a box.
+        self._index = np.flatnonzero(~np.isnan(bounds[:, 0]))
+        self._bounds = bounds[self._index]
+        self._tree = BVH(self._bounds)
+
+    def __len__(self) -> int:
+        return len(self._index)
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        return STRtree, (self._geometries,)
+
+    @property
+    def geometries(self) -> np.ndarray:
+        """The geometries, in the order of the indices that calls return."""
+        return self._geometries
+
+    def query(
+        self, geometry: Any, predicate: Optional[str] = None, distance: Any = None
+    ) -> np.ndarray:
+        """Finds the geometries whose boxes overlap those of the given ones.
+
+        Parameters
+        ----------
+        geometry : geometry or sequence of geometries
+            None and empty ones find nothing.
+        predicate : str, optional
+            "intersects", "within", "contains", "overlaps", "crosses", "touches",
+            "covers", "covered_by", "contains_properly" or "dwithin". Keeps only the
+            geometries for which `predicate(geometry, its geometry)` holds.
+        distance : float or sequence of floats, one for each geometry
+            Of "dwithin", and only of this: finds what is at most so far away.
+
+        Returns
+        -------
+        ndarray of int64, shape (2, n) or (n,)
+            The indices of the given geometries, which ascend, and of those found. Of
+            one geometry only the latter.
+        """
+        if predicate is not None and predicate not in _PREDICATES:
+            raise ValueError(
+                f"predicate: {predicate!r} is not a valid option; expected None or "
+                f"one of {', '.join(_PREDICATES)}"
+            )
+        if predicate != "dwithin" and distance is not None:
+            raise ValueError('distance: only the predicate "dwithin" has one')
+        given, is_one = _given(geometry)
+        boxes = _bounds_of(given)
+        is_used = ~np.isnan(boxes[:, 0])
+        if predicate == "dwithin":
+            limits = _limits(distance, len(given))
+            is_used &= limits >= 0
+            boxes = _grown(boxes, limits)
+        rows, ids = self._overlaps(boxes, np.flatnonzero(is_used))
+        if predicate is not None:
+            if predicate == "dwithin":
+                is_kept = self._distances(given, rows, ids) <= limits[rows]
+            else:
+                is_kept = self._hold(predicate, given, rows, ids)
+            rows, ids = rows[is_kept], ids[is_kept]
+        found = self._index[ids]
+        found = found[np.lexsort((found, rows))]
+        return found if is_one else np.stack([rows, found])
+
+    def nearest(self, geometry: Any) -> Union[None, int, np.ndarray]:
+        """Returns the index of a nearest geometry of each given one.
+
+        None if the tree has no geometry. Raises ValueError if a given one is None or
+        empty.
+        """
+        if len(self) == 0:
+            return None
+        given, is_one = _given(geometry)
+        if np.isnan(_bounds_of(given)).any():
+            raise ValueError("geometry: expected geometries that are not None and not empty")
+        found = self.query_nearest(given, all_matches=False)[1]
+        return found[0] if is_one else found
+
+    def query_nearest(
+        self,
+        geometry: Any,
+        max_distance: Optional[float] = None,
+        return_distance: bool = False,
+        exclusive: bool = False,
+        all_matches: bool = True,
+    ) -> Union[np.ndarray, Tuple[np.ndarray, np.ndarray]]:
+        """Finds the geometries that are nearest to each given one.
+
+        Parameters
+        ----------
+        geometry : geometry or sequence of geometries
+            None and empty ones find nothing.
+        max_distance : float, optional
+            What is farther away is not found. Above 0.
+        return_distance : bool
+            Also returns the distances, of shape (n,).
+        exclusive : bool
+            Leaves out geometries that are equal to the given one.
+        all_matches : bool
+            Returns all that are equally near, and not only the first of them.
+
+        Returns
+        -------
+        ndarray of int64, shape (2, n) or (n,)
+            As `query` does.
+        """
+        limit = _max_distance(max_distance)
+        _check_flag(exclusive, "exclusive")
+        _check_flag(all_matches, "all_matches")
+        given, is_one = _given(geometry)
+        boxes = _bounds_of(given)
+        used = np.flatnonzero(~np.isnan(boxes[:, 0]))
+        limits = np.full(len(given), np.inf)
+        limits[used] = self._first_distances(given, boxes, used, exclusive)
+        limits = np.minimum(limits, limit)
+        # Without a limit no other geometry is in the tree.
+        used = used[limits[used] < np.inf] if len(self) else used[:0]
+        rows, ids = self._overlaps(_grown(boxes, limits), used)
+        distances = self._distances(given, rows, ids)
+        is_kept = distances <= limits[rows]
+        if exclusive:
+            is_kept &= ~self._are_equal(given, rows, ids)
+        rows, ids, distances = rows[is_kept], ids[is_kept], distances[is_kept]
+        # By distance, then by index, for each row.
+        order = np.lexsort((ids, distances, rows))
+        rows, ids, distances = rows[order], ids[order], distances[order]
+        is_first = np.diff(rows, prepend=-1) != 0
+        if all_matches:
+            first = np.flatnonzero(is_first)
+            least = np.repeat(distances[first], np.diff(first, append=len(rows)))
+            is_first = distances == least
+        found = self._index[ids[is_first]]
+        result = found if is_one else np.stack([rows[is_first], found])
+        return (result, distances[is_first]) if return_distance else result
+
+    def _overlaps(self, boxes: np.ndarray, used: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        """The rows of `used` and the objects of the tree whose boxes overlap."""
+        rows, ids = self._tree.query(boxes[used])
+        rows = used[rows]
+        # The tree has floats that enclose the doubles.
+        a, b = boxes[rows], self._bounds[ids]
+        is_kept = (a[:, :2] <= b[:, 2:]).all(axis=1) & (b[:, :2] <= a[:, 2:]).all(axis=1)
+        return rows[is_kept], ids[is_kept]
+
+    def _first_distances(
+        self, given: np.ndarray, boxes: np.ndarray, used: np.ndarray, exclusive: bool
+    ) -> np.ndarray:
+        """A distance of each that is not less than that of the nearest one."""
+        best = np.full(len(used), np.inf)
+        left, k = np.arange(len(used)), 4
+        while len(left) and len(self):
+            k = min(k, len(self))
+            near, _ = self._tree.nearest(boxes[used[left]], k)
+            ids = near.ravel()
+            rows = np.repeat(used[left], k)
+            distances = self._distances(given, rows, ids)
+            if exclusive:
+                distances[self._are_equal(given, rows, ids)] = np.inf
+            best[left] = distances.reshape(-1, k).min(axis=1)
+            if k == len(self):
+                break
+            left, k = left[np.isinf(best[left])], 8 * k
+        return best
+
+    def _pairs(
+        self, given: np.ndarray, rows: np.ndarray, ids: np.ndarray
+    ) -> Tuple[np.ndarray, np.ndarray]:
+        return given[rows], self._geometries[self._index[ids]]
+
+    def _distances(self, given: np.ndarray, rows: np.ndarray, ids: np.ndarray) -> np.ndarray:
+        a, b = self._pairs(given, rows, ids)
+        if _IS_VECTORISED:
+            return shapely.distance(a, b)
+        return np.array([x.distance(y) for x, y in zip(a, b)], np.float64)
+
+    def _are_equal(self, given: np.ndarray, rows: np.ndarray, ids: np.ndarray) -> np.ndarray:
+        a, b = self._pairs(given, rows, ids)
+        if _IS_VECTORISED:
+            return shapely.equals(a, b)
+        return np.array([x.equals(y) for x, y in zip(a, b)], bool)
+
+    def _hold(
+        self, predicate: str, given: np.ndarray, rows: np.ndarray, ids: np.ndarray
+    ) -> np.ndarray:
+        a, b = self._pairs(given, rows, ids)
+        if _IS_VECTORISED:
+            shapely.prepare(given[np.unique(rows)])
+            return getattr(shapely, predicate)(a, b)
+        if predicate == "covered_by":
+            return np.array([y.covers(x) for x, y in zip(a, b)], bool)
+        holds = np.zeros(len(rows), bool)
+        last = -1
+        for i, row in enumerate(rows.tolist()):
+            if row != last:
+                last, test = row, getattr(prep(a[i]), predicate)
+            holds[i] = test(b[i])
+        return holds
+
+
+def _array_of(geometries: Iterable[Any], name: str) -> np.ndarray:
+    """An array of one dimension, which asks no geometry for its parts."""
+    if getattr(geometries, "ndim", 1) != 1:
+        raise TypeError(f"{name}: expected one dimension, got {geometries.ndim}")  # type: ignore
+    items = list(geometries)
+    array = np.empty(len(items), object)
+    for i, item in enumerate(items):
+        if item is not None and not isinstance(item, BaseGeometry):
+            raise TypeError(f"{name}[{i}]: expected a geometry or None, got {item!r}")
+        array[i] = item
+    return array
+
+
+def _given(geometry: Any) -> Tuple[np.ndarray, bool]:
+    """The geometries of a call, and whether it is one."""
+    is_one = geometry is None or isinstance(geometry, (BaseGeometry, str))
+    return _array_of([geometry] if is_one else geometry, "geometry"), is_one
+
+
+def _bounds_of(geometries: np.ndarray) -> np.ndarray:
+    """The boxes, of shape (n, 4). NaN of None and of empty geometries."""
+    if _IS_VECTORISED:
+        return shapely.bounds(geometries).reshape(-1, 4)
+    bounds = np.full((len(geometries), 4), np.nan)
+    for i, geometry in enumerate(geometries):
+        if geometry is not None and not geometry.is_empty:
+            bounds[i] = geometry.bounds
+    return bounds
+
+
+def _grown(boxes: np.ndarray, margins: np.ndarray) -> np.ndarray:
+    """The boxes, larger by at least the margins."""
+    margins = margins[:, np.newaxis]
+    low = np.nextafter(boxes[:, :2] - margins, -np.inf)
+    high = np.nextafter(boxes[:, 2:] + margins, np.inf)
+    return np.hstack([low, high])
+
+
+def _limits(distance: Any, count: int) -> np.ndarray:
+    if distance is None:
+        raise ValueError('distance: expected a number, as "dwithin" needs one')
+    limits = np.asarray(distance, np.float64)
+    if limits.ndim > 1:
+        raise ValueError(f"distance: expected one dimension, got {limits.ndim}")
+    if limits.ndim == 1 and len(limits) not in (1, count):
+        raise ValueError(f"distance: expected {count} numbers, got {len(limits)}")
+    return np.broadcast_to(limits, (count,))
+
+
+def _max_distance(value: Any) -> float:
+    if value is None:
+        return np.inf
+    if not isinstance(value, (int, float, np.number)) or not value > 0:
+        raise ValueError(f"max_distance: expected a number greater than 0, got {value!r}")
+    return float(value)
+
+
+def _check_flag(value: Any, name: str) -> None:
+    if not isinstance(value, (bool, np.bool_)):
+        raise ValueError(f"{name}: expected a bool, got {value!r}")

@@ -1,0 +1,178 @@
+"""The calls of halfspace.geo against every pair of geometries by shapely."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+pytest.importorskip("shapely", reason="needs python3-shapely")
+
+from shapely.geometry import GeometryCollection, LineString, MultiPoint, Point, Polygon, box
+
+from halfspace import geo
+
+
+def some(count, seed):
+    """Geometries of all kinds that share corners and edges, some None or empty."""
+    random = np.random.default_rng(seed)
+    result = []
+    for i in range(count):
+        x, y, w, h = random.integers(0, 12, 2).tolist() + random.integers(1, 4, 2).tolist()
+        result.append(
+            [
+                lambda: box(x, y, x + w, y + h),
+                lambda: Polygon([(x, y), (x + w, y), (x, y + h)]),
+                lambda: LineString([(x, y), (x + w, y + h)]),
+                lambda: Point(x, y),
+                lambda: MultiPoint([(x, y), (x + w, y + h)]),
+                lambda: Point(x + 0.1, y).buffer(w / 3),
+                lambda: None,
+                lambda: GeometryCollection(),
+            ][random.choice(8, p=[0.2, 0.2, 0.2, 0.15, 0.1, 0.1, 0.03, 0.02])]()
+        )
+    return result
+
+
+GEOMETRIES = some(150, 1)
+GIVEN = some(60, 2)
+TREE = geo.STRtree(GEOMETRIES)
+
+
+def is_there(geometry):
+    return geometry is not None and not geometry.is_empty
+
+
+def contains_properly(a, b):
+    return a.relate_pattern(b, "T**FF*FF*")
+
+
+def all_pairs(holds, given=GIVEN, geometries=GEOMETRIES):
+    return [
+        (i, j)
+        for i, a in enumerate(given)
+        for j, b in enumerate(geometries)
+        if is_there(a) and is_there(b) and holds(a, b)
+    ]
+
+
+def boxes_overlap(a, b):
+    return (
+        a.bounds[0] <= b.bounds[2]
+        and b.bounds[0] <= a.bounds[2]
+        and a.bounds[1] <= b.bounds[3]
+        and b.bounds[1] <= a.bounds[3]
+    )
+
+
+def as_pairs(found):
+    return [tuple(pair) for pair in found.T.tolist()]
+
+
+@pytest.mark.parametrize("predicate", [None, *geo._PREDICATES])
+def test_query(predicate):
+    holds, options = boxes_overlap, {}
+    if predicate == "dwithin":
+        options = {"distance": np.arange(len(GIVEN)) % 5 * 0.5 - 0.5}
+        distance_of = {id(g): d for g, d in zip(GIVEN, options["distance"])}
+        holds = lambda a, b: a.distance(b) <= distance_of[id(a)]
+    elif predicate == "contains_properly":
+        holds = contains_properly
+    elif predicate is not None:
+        holds = lambda a, b: getattr(a, predicate)(b)
+    expected = all_pairs(holds)
+    assert len(expected) > 4
+    found = TREE.query(GIVEN, predicate, **options)
+    assert found.dtype == np.int64
+    assert as_pairs(found) == expected
+    for i, a in enumerate(GIVEN[:20]):
+        its = {"distance": options["distance"][i]} if options else {}
+        assert TREE.query(a, predicate, **its).tolist() == [j for k, j in expected if k == i]
+
+
+@pytest.mark.parametrize("exclusive", [False, True])
+@pytest.mark.parametrize("max_distance", [None, 0.5])
+def test_query_nearest(exclusive, max_distance):
+    limit = np.inf if max_distance is None else max_distance
+    given = GIVEN + GEOMETRIES[:40]
+    expected, distances = [], []
+    for i, a in enumerate(given):
+        if not is_there(a):
+            continue
+        near = [
+            (a.distance(b), j)
+            for j, b in enumerate(GEOMETRIES)
+            if is_there(b) and a.distance(b) <= limit and not (exclusive and a.equals(b))
+        ]
+        if near:
+            nearest = [(i, j, d) for d, j in near if d == min(near)[0]]
+            expected += nearest
+    found, its = TREE.query_nearest(given, max_distance, True, exclusive)
+    assert [(i, j, d) for (i, j), d in zip(as_pairs(found), its)] == expected
+    first = TREE.query_nearest(given, max_distance, exclusive=exclusive, all_matches=False)
+    assert as_pairs(first) == list({i: (i, j) for i, j, _ in reversed(expected)}.values())[::-1]
+
+
+def test_nearest():
+    given = [g for g in GIVEN if is_there(g)]
+    found = TREE.nearest(given)
+    least = [min(a.distance(b) for b in GEOMETRIES if is_there(b)) for a in given]
+    assert [a.distance(GEOMETRIES[j]) for a, j in zip(given, found)] == least
+    assert TREE.nearest(given[0]) == found[0]
+    assert geo.STRtree([]).nearest(given[0]) is None
+    with pytest.raises(ValueError, match="expected geometries that are not None"):
+        TREE.nearest([None])
+
+
+# As floats, both points are in one place.
+def test_boxes_are_compared_as_doubles():
+    near, far = Point(500000.03, 0), Point(500000.035, 0)
+    tree = geo.STRtree([near, far])
+    assert tree.query(near).tolist() == [0]
+    assert tree.query(near, "dwithin", 0.004).tolist() == [0]
+    assert tree.query(near, "dwithin", 0.006).tolist() == [0, 1]
+    assert tree.query_nearest(near, exclusive=True).tolist() == [1]
+
+
+# All are nearer than the one that is not equal.
+def test_exclusive_looks_behind_many_equal_ones():
+    tree = geo.STRtree([Point(0, 0)] * 100 + [Point(1, 0)])
+    assert tree.query_nearest(Point(0, 0), exclusive=True).tolist() == [100]
+    assert geo.STRtree([Point(0, 0)] * 9).query_nearest(Point(0, 0), exclusive=True).size == 0
+
+
+def test_an_empty_tree_finds_nothing():
+    for tree in (geo.STRtree([]), geo.STRtree([None, Point()])):
+        assert len(tree) == 0
+        assert tree.query(GIVEN).shape == tree.query_nearest(GIVEN).shape == (2, 0)
+        assert tree.query(None).shape == tree.query_nearest(GIVEN[0]).shape == (0,)
+
+
+def test_is_pickled():
+    again = pickle.loads(pickle.dumps(TREE))
+    assert len(again) == len(TREE) < len(TREE.geometries)
+    assert as_pairs(again.query(GIVEN)) == as_pairs(TREE.query(GIVEN))
+
+
+@pytest.mark.parametrize(
+    "call, error, message",
+    [
+        (lambda: geo.STRtree(["x"]), TypeError, r"geoms\[0\]: expected a geometry or None"),
+        (lambda: TREE.query("x"), TypeError, r"geometry\[0\]: expected a geometry"),
+        (lambda: TREE.query([GIVEN[0], 3]), TypeError, r"geometry\[1\]: expected a geometry"),
+        (lambda: TREE.query(np.empty((1, 1), object)), TypeError, "expected one dimension"),
+        (lambda: TREE.query(GIVEN, "disjoint"), ValueError, "is not a valid option"),
+        (lambda: TREE.query(GIVEN, "dwithin"), ValueError, "distance: expected a number"),
+        (lambda: TREE.query(GIVEN, "dwithin", "x"), ValueError, "could not convert"),
+        (lambda: TREE.query(GIVEN, "dwithin", [1, 2]), ValueError, "expected 60 numbers"),
+        (lambda: TREE.query(GIVEN, "dwithin", [[1]]), ValueError, "one dimension, got 2"),
+        (lambda: TREE.query(GIVEN, distance=1), ValueError, 'only the predicate "dwithin"'),
+        (lambda: TREE.query_nearest(GIVEN, 0), ValueError, "max_distance: expected a number"),
+        (lambda: TREE.query_nearest(GIVEN, np.nan), ValueError, "max_distance: expected"),
+        (lambda: TREE.query_nearest(GIVEN, [1]), ValueError, "max_distance: expected a number"),
+        (lambda: TREE.query_nearest(GIVEN, exclusive=1), ValueError, "exclusive: expected a bool"),
+        (lambda: TREE.query_nearest(GIVEN, all_matches=[]), ValueError, "all_matches: expected"),
+    ],
+)
+def test_errors(call, error, message):
+    with pytest.raises(error, match=message):
+        call()
