@@ -13,7 +13,6 @@
 #include "halfspace/error.h"
 
 using halfspace::BodyMasks;
-using halfspace::IdPair;
 using halfspace::Span;
 using halfspace::c::AllRows;
 using halfspace::c::Call;
@@ -47,7 +46,7 @@ Span<const BodyMasks> MasksOf(const Call& call, const hs_body_masks* masks,
   return {reinterpret_cast<const BodyMasks*>(masks), count};
 }
 
-// Calls update(budget, runner).
+// Calls update(call, budget, runner).
 template <typename Function>
 hs_status RunUpdate(const char* name, hs_broad_phase* bodies,
                     const hs_update_options* options, const Function& update) {
@@ -56,21 +55,7 @@ hs_status RunUpdate(const char* name, hs_broad_phase* bodies,
     const hs_update_options read =
         ReadOptions(call, "options", options, kUpdateDefaults);
     CallerThreads threads(call, "options->run", read.run, read.run_context);
-    update(read.budget, threads.runner());
-  });
-}
-
-// Writes where the pairs are.
-hs_status ListPairs(const char* name, const hs_broad_phase* bodies,
-                    Span<const IdPair> (detail::PairEventsCore::*list)() const,
-                    const hs_id_pair** pairs, std::size_t* count) {
-  return Run(name, [&](const Call& call) {
-    call.CheckPointer("bodies", bodies);
-    call.CheckPointer("pairs", pairs);
-    call.CheckPointer("count", count);
-    const Span<const IdPair> found = (bodies->core.events().*list)();
-    *pairs = reinterpret_cast<const hs_id_pair*>(found.data());
-    *count = found.size();
+    update(call, read.budget, threads.runner());
   });
 }
 
@@ -195,7 +180,7 @@ hs_status hs_broad_phase_update(hs_broad_phase* bodies,
                                 const hs_update_options* options) {
   return halfspace::c::RunUpdate(
       "hs_broad_phase_update", bodies, options,
-      [&](size_t budget, const halfspace::Runner& run) {
+      [&](const Call&, size_t budget, const halfspace::Runner& run) {
         bodies->core.Update({budget, run});
       });
 }
@@ -204,34 +189,36 @@ hs_status hs_broad_phase_rebuild(hs_broad_phase* bodies,
                                  const hs_update_options* options) {
   return halfspace::c::RunUpdate(
       "hs_broad_phase_rebuild", bodies, options,
-      [&](size_t, const halfspace::Runner& run) { bodies->core.Rebuild(run); });
+      [&](const Call&, size_t, const halfspace::Runner& run) {
+        bodies->core.Rebuild(run);
+      });
 }
 
 hs_status hs_broad_phase_update_pairs(hs_broad_phase* bodies,
                                       const hs_update_options* options) {
   return halfspace::c::RunUpdate(
       "hs_broad_phase_update_pairs", bodies, options,
-      [&](size_t, const halfspace::Runner& run) {
-        bodies->core.UpdatePairs(halfspace::c::PairKernelsOf(bodies->layout),
-                                 run);
+      [&](const Call& call, size_t, const halfspace::Runner& run) {
+        bodies->core.UpdatePairs(
+            halfspace::c::PairKernelsOf(call, bodies->layout), run);
       });
 }
 
 hs_status hs_broad_phase_pairs(const hs_broad_phase* bodies,
                                const hs_id_pair** pairs, size_t* count) {
-  return halfspace::c::ListPairs("hs_broad_phase_pairs", bodies,
+  return halfspace::c::ListPairs("hs_broad_phase_pairs", "bodies", bodies,
                                  &detail::PairEventsCore::pairs, pairs, count);
 }
 
 hs_status hs_broad_phase_began(const hs_broad_phase* bodies,
                                const hs_id_pair** pairs, size_t* count) {
-  return halfspace::c::ListPairs("hs_broad_phase_began", bodies,
+  return halfspace::c::ListPairs("hs_broad_phase_began", "bodies", bodies,
                                  &detail::PairEventsCore::began, pairs, count);
 }
 
 hs_status hs_broad_phase_ended(const hs_broad_phase* bodies,
                                const hs_id_pair** pairs, size_t* count) {
-  return halfspace::c::ListPairs("hs_broad_phase_ended", bodies,
+  return halfspace::c::ListPairs("hs_broad_phase_ended", "bodies", bodies,
                                  &detail::PairEventsCore::ended, pairs, count);
 }
 

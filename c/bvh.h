@@ -31,8 +31,9 @@ struct hs_bvh {
 namespace halfspace::c {
 
 detail::BvhType TypeOf(const PlaneLayout& layout);
-// Not of simplices.
-const detail::BvhPairKernels* PairKernelsOf(const PlaneLayout& layout);
+// Fails for simplices.
+const detail::BvhPairKernels* PairKernelsOf(const Call& call,
+                                            const PlaneLayout& layout);
 
 // A configuration after its checks.
 struct BvhConfig {

@@ -593,16 +593,12 @@ void RunPairs(const Call& call, const Sources<World>& from,
   if (from.is_of_set) call.CheckArray("ids", from.ids, from.count);
   const Span<const std::uint32_t> set(from.ids, from.count);
   const detail::PlaneLayout& layout = from.a->layout;
-  if (layout.kind == PlaneLayout::kSimplex) {
-    call.Fail(HS_INVALID_ARGUMENT, "",
-              "expected BVHs of boxes or octahedra, got simplices, which have "
-              "no planes that face each other");
-  }
+  const detail::BvhPairKernels* const kernels = PairKernelsOf(call, layout);
   if (from.b != nullptr && from.b->layout != layout) {
     call.Fail(HS_INVALID_ARGUMENT, "b",
               "expected a BVH of the kind of `a`, got another kind");
   }
-  run(pairs, set, PairKernelsOf(layout));
+  run(pairs, set, kernels);
 }
 
 template <typename World>
@@ -661,7 +657,13 @@ hs_status CallForPairs(const char* name, const Sources<World>& from,
 
 }  // namespace
 
-const detail::BvhPairKernels* PairKernelsOf(const PlaneLayout& layout) {
+const detail::BvhPairKernels* PairKernelsOf(const Call& call,
+                                            const PlaneLayout& layout) {
+  if (layout.kind == PlaneLayout::kSimplex) {
+    call.Fail(HS_INVALID_ARGUMENT, "",
+              "expected BVHs of boxes or octahedra, got simplices, which have "
+              "no planes that face each other");
+  }
   if (layout.axes == 2) return detail::BvhPairKernelsOf<2>::kTargets;
   if (layout.axes == 3) return detail::BvhPairKernelsOf<3>::kTargets;
   return detail::BvhPairKernelsOf<4>::kTargets;

@@ -17,6 +17,7 @@
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/errors/number_checks.h"
+#include "dispatch/exact/default_fp_mode.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/detail/plane_arrays.h"
 #include "kernels/compiler.h"
@@ -64,11 +65,13 @@ std::size_t HashOf(const IdPair& pair, int bits) {
                                   (64 - bits));
 }
 
-// Appends pairs to a list, the lesser id first.
+// Appends pairs to a list, the lesser id first. The filter runs in the
+// floating-point mode of the caller.
 class ListSink : public Results<IdPair> {
  public:
-  ListSink(PairList& list, const PairListFilter& filter)
-      : Results<IdPair>{}, list_(list), filter_(filter) {
+  ListSink(PairList& list, const PairListFilter& filter,
+           dispatch::DefaultFpMode& mode)
+      : Results<IdPair>{}, list_(list), filter_(filter), mode_(mode) {
     flush = [](Results<IdPair>& results) {
       static_cast<ListSink&>(results).Flush();
       return true;
@@ -81,10 +84,13 @@ class ListSink : public Results<IdPair> {
     for (IdPair* pair = begin; pair != next; ++pair) {
       *pair = {std::min(pair->a, pair->b), std::max(pair->a, pair->b)};
     }
-    const bool is_filtered = filter_.keep != nullptr && count > 0;
-    list_.SetSize(
-        list_.size() +
-        (is_filtered ? filter_.keep(filter_.context, {begin, count}) : count));
+    std::size_t kept = count;
+    if (filter_.keep != nullptr && count > 0) {
+      kept = mode_.Outside([&] {
+        return filter_.keep(filter_.context, {begin, count});
+      });
+    }
+    list_.SetSize(list_.size() + kept);
     flushed += count;
     begin = next = nullptr;
     Use();
@@ -102,6 +108,7 @@ class ListSink : public Results<IdPair> {
 
   PairList& list_;
   const PairListFilter& filter_;
+  dispatch::DefaultFpMode& mode_;
 };
 
 // The memory resource of the caller, used by several threads under a lock.
@@ -169,7 +176,9 @@ class Search {
     PairOptions options = options_;
     options.begin = blocks() * part / parts;
     options.end = blocks() * (part + 1) / parts;
-    ListSink sink(found, filter_);
+    // Each thread has its own mode.
+    dispatch::DefaultFpMode mode;
+    ListSink sink(found, filter_, mode);
     FindPairs(sources_, options, kUpdate, sink);
     sink.Flush();
   }

@@ -40,7 +40,8 @@
 // BroadPhaseOptions::caller_locks is for programs that have a lock of their
 // own.
 //
-// Floating-point mode: as in bvh.h.
+// Floating-point mode: as in bvh.h. UpdatePairs() is a change: it never traps,
+// and the mode has no effect. It calls PairFilter::keep in the caller's mode.
 //
 // Source: the mark-and-refit of moved bodies is common to Box2D's, Bullet's and
 // Jolt's broad phases.

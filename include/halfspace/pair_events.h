@@ -30,7 +30,8 @@
 // Thread safety: const calls may run at the same time. Update() uses the world
 // as a query does, so the world must not change at the same time.
 //
-// Floating-point mode: as in bvh.h.
+// Floating-point mode: as that of a change in bvh.h. Update() never traps, and
+// the mode has no effect.
 //
 // Cost: that of the search (bvh_pairs.h), and 1.1 to 1.6 times as long in total
 // if all objects move a little. With a list of ids, the search costs as

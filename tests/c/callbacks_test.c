@@ -56,8 +56,13 @@ static void test_run(void) {
   hs_builder* builder = NULL;
   hs_bvh* right = NULL;
   hs_bvh* bvh = NULL;
+  hs_pair_events* events = NULL;
+  hs_pair_event_options options;
+  const hs_id_pair* pairs = NULL;
   const void* blob = NULL;
   size_t size = 0;
+  size_t count = 0;
+  size_t left = 0;
   size_t i;
   random_bounds(HS_BOX3, OBJECTS, 0.05f, 17, objects);
   CHECK_OK(hs_bvh_create(&config, &columns, &right));
@@ -102,6 +107,21 @@ static void test_run(void) {
   CHECK_OK(hs_bvh_rebuild(bvh, &config));
   CHECK(threads.calls > 0);
   CHECK_OK(hs_bvh_verify(bvh));
+  CHECK_OK(hs_pair_event_options_default(&options, sizeof(options)));
+  options.run = run_backwards;
+  options.run_context = &threads;
+  CHECK_OK(hs_pair_events_create(NULL, &events));
+  CHECK_OK(hs_pair_events_update(events, bvh, NULL));
+  CHECK_OK(hs_pair_events_pairs(events, &pairs, &count));
+  threads = (work){0, 0, 0};
+  CHECK_OK(hs_pair_events_update(events, bvh, &options));
+  CHECK(threads.calls > 0);
+  threads.left_out = 1;
+  CHECK_RUN_FAILS(hs_pair_events_update(events, bvh, &options),
+                  "hs_pair_events_update: options->run");
+  CHECK_OK(hs_pair_events_pairs(events, &pairs, &left));
+  CHECK(left == count && count > 0);
+  hs_pair_events_destroy(events);
   hs_bvh_destroy(bvh);
   hs_bvh_destroy(right);
   hs_bvh_destroy(NULL);

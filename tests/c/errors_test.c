@@ -46,6 +46,11 @@ CHECK_OFFSET(hs_pair_options, begin, 24);
 CHECK_OFFSET(hs_pair_options, end, 32);
 CHECK_OFFSET(hs_pair_options, target, 40);
 CHECK_OFFSET(hs_pair_options, wanted, 48);
+CHECK_OFFSET(hs_pair_event_options, mask, 8);
+CHECK_OFFSET(hs_pair_event_options, margin, 12);
+CHECK_OFFSET(hs_pair_event_options, target, 16);
+CHECK_OFFSET(hs_pair_event_options, run, 24);
+CHECK_OFFSET(hs_pair_event_options, run_context, 32);
 CHECK_OFFSET(hs_body_masks, collides_with, 4);
 CHECK_OFFSET(hs_broad_phase_config, kind, 8);
 CHECK_OFFSET(hs_broad_phase_config, moves_wait_for_update, 12);
@@ -246,6 +251,9 @@ static void test_handles_and_outputs(void) {
   const hs_bvh_config config = bvh_config_of(HS_BOX3);
   const hs_bvh_config others = bvh_config_of(HS_BOX2);
   const hs_bvh_config simplices = bvh_config_of(HS_SIMPLEX2);
+  const hs_id_pair swapped = {2, 1};
+  hs_pair_event_options event_options;
+  hs_pair_events* events = NULL;
   const hs_scan_config scan_config = scan_config_of(HS_BOX3, 0);
   const hs_columns columns = hs_float_rows(kBoxes, 2, 6);
   const hs_columns one = hs_float_rows(kBoxes, 1, 6);
@@ -350,6 +358,24 @@ static void test_handles_and_outputs(void) {
 
   INVALID(hs_bvh_join, (bvh, other, NULL, &pair, 1, &total),
           "b: expected a BVH of the kind of `a`, got another kind");
+  CHECK_OK(hs_pair_events_create(NULL, &events));
+  INVALID(hs_pair_events_update, (events, simplex, NULL),
+          "expected BVHs of boxes or octahedra, got simplices, which have no "
+          "planes that face each other");
+  INVALID(hs_pair_events_update, (events, NULL, NULL),
+          "bvh: expected a pointer, got null");
+  INVALID(hs_pair_events_update_of, (events, bvh, NULL, 1, NULL),
+          "changed: expected a pointer, got null");
+  CHECK_OK(hs_pair_event_options_default(&event_options, sizeof event_options));
+  event_options.margin = -1;
+  INVALID(
+      hs_pair_events_update, (events, bvh, &event_options),
+      "options->margin: expected a finite number that is not negative, got -1");
+  INVALID(hs_pair_events_load, (events, &swapped, 1),
+          "pairs[0]: expected a < b < 2^31, got 2 and 1");
+  INVALID(hs_pair_events_began, (events, NULL, &total),
+          "pairs: expected a pointer, got null");
+  hs_pair_events_destroy(events);
   INVALID(hs_bvh_pairs, (simplex, NULL, &pair, 1, &total),
           "expected BVHs of boxes or octahedra, got simplices, which have no "
           "planes that face each other");

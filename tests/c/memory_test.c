@@ -80,6 +80,38 @@ static size_t size_of(const hs_bvh* bvh) {
   return size;
 }
 
+// An update without memory changes nothing.
+static void use_pair_events(hs_kind kind, int bits, memory* its) {
+  const hs_columns columns =
+      hs_float_rows(objects, OBJECTS, hs_bound_values(kind));
+  const hs_bvh_config config = bvh_config_of(kind);
+  const hs_allocator allocator = allocator_of(its);
+  static const uint32_t changed[] = {2, 5, 8, OBJECTS};
+  const hs_id_pair* pairs = NULL;
+  hs_pair_events* events = NULL;
+  hs_bvh* bvh = NULL;
+  size_t count = 0;
+  size_t before = 0;
+  (void)bits;
+  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
+  if (has_done(its, hs_pair_events_create(&allocator, &events))) {
+    const int done = has_done(its, hs_pair_events_update(events, bvh, NULL));
+    CHECK_OK(hs_pair_events_pairs(events, &pairs, &before));
+    CHECK((before > 0) == (done != 0));
+    CHECK_OK(hs_bvh_erase(bvh, changed, 1));
+    if (!has_done(its,
+                  hs_pair_events_update_of(events, bvh, changed, 4, NULL))) {
+      CHECK_OK(hs_pair_events_pairs(events, &pairs, &count));
+      CHECK(count == before);
+    }
+    CHECK_OK(hs_pair_events_load(events, NULL, 0));
+    CHECK_OK(hs_pair_events_pairs(events, &pairs, &count));
+    CHECK(count == 0);
+    hs_pair_events_destroy(events);
+  }
+  hs_bvh_destroy(bvh);
+}
+
 static void use_bvh(hs_kind kind, int bits, memory* its) {
   static uint32_t ids[OBJECTS];
   static double doubles[OBJECTS * VALUES];
@@ -293,6 +325,7 @@ void test_memory(void) {
     use_without_memory(use_bvh, kinds[i], 0, 10);
     if (!is_simplex(kinds[i])) {
       use_without_memory(use_broad_phase, kinds[i], 0, 10);
+      use_without_memory(use_pair_events, kinds[i], 0, 5);
     }
     for (bits = 0; bits <= 16; bits += 8) {
       use_without_memory(use_scan, kinds[i], bits, 2);

@@ -1075,26 +1075,91 @@ void TestNearestOthers() {
   hs_bvh_destroy(bvh);
 }
 
+template <typename Handle>
+bool IsSame(Span<const IdPair> expected,
+            hs_status (*list)(const Handle*, const hs_id_pair**, std::size_t*),
+            const Handle* handle) {
+  const hs_id_pair* pairs = nullptr;
+  std::size_t count = 0;
+  CHECK_OK(list(handle, &pairs, &count));
+  return count == expected.size() &&
+         std::equal(expected.begin(), expected.end(), pairs,
+                    [](const IdPair& a, const hs_id_pair& b) {
+                      return a.a == b.a && a.b == b.b;
+                    });
+}
+
+// Pair events of a BVH that changes, on every third update of all objects.
+template <typename View>
+void TestPairEvents() {
+  using Its = Kind<View>;
+  using Bound = typename View::Bound;
+  const Records first = Its::Make(kObjects, 0.1, 80);
+  const auto bounds = Its::template All<Bound>(first);
+  Bvh<View> world{Span<const Bound>(bounds)};
+  PairEvents expected;
+  const hs_bvh_config config = bvh_config_of(Its::kKind);
+  const hs_columns columns = first.In(kRows);
+  hs_bvh* bvh = nullptr;
+  hs_pair_events* events = nullptr;
+  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
+  CHECK_OK(hs_pair_events_create(nullptr, &events));
+  Random random(81);
+  for (std::uint32_t frame = 0; frame < 12; ++frame) {
+    std::vector<std::uint32_t> changed;
+    for (int i = 0; i < 40; ++i) {
+      const std::uint32_t id = random.Below(world.id_limit());
+      if (world.Has(id)) changed.push_back(id);
+    }
+    const Records some = Its::Make(changed.size(), 0.1, 90 + frame);
+    const auto its = Its::template All<Bound>(some);
+    const hs_columns moved = some.In(kRows);
+    world.Set(changed, Span<const Bound>(its));
+    CHECK_OK(hs_bvh_set(bvh, changed.data(), &moved));
+    world.Erase({changed.data(), 2});
+    CHECK_OK(hs_bvh_erase(bvh, changed.data(), 2));
+    PairEventOptions options;
+    auto of_c = DefaultsOf(&hs_pair_event_options_default);
+    if (frame % 2 == 1) {
+      options.margin = of_c.margin = 0.01f;
+      options.mask = of_c.mask = 7;
+      of_c.target = LastTarget();
+    }
+    if (frame % 3 == 0) {
+      expected.Update(world, options);
+      CHECK_OK(hs_pair_events_update(events, bvh, &of_c));
+    } else {
+      expected.Update(world, changed, options);
+      CHECK_OK(hs_pair_events_update_of(events, bvh, changed.data(),
+                                        changed.size(), &of_c));
+    }
+    CHECK(!expected.began().empty() &&
+          (frame == 0 || !expected.ended().empty()));
+    CHECK(IsSame(expected.pairs(), &hs_pair_events_pairs, events));
+    CHECK(IsSame(expected.began(), &hs_pair_events_began, events));
+    CHECK(IsSame(expected.ended(), &hs_pair_events_ended, events));
+    if (frame == 7) {
+      const Span<const IdPair> pairs = expected.pairs();
+      const std::vector<IdPair> stored(pairs.begin(), pairs.end());
+      expected.Load(stored);
+      CHECK_OK(hs_pair_events_load(
+          events, reinterpret_cast<const hs_id_pair*>(stored.data()),
+          stored.size()));
+      CHECK(IsSame({}, &hs_pair_events_began, events));
+      CHECK(IsSame(expected.pairs(), &hs_pair_events_pairs, events));
+    }
+  }
+  hs_pair_events_destroy(events);
+  hs_pair_events_destroy(nullptr);
+  hs_bvh_destroy(bvh);
+}
+
 // Broad phases.
 
 bool KeepNoSevens(void* context, std::uint32_t a, std::uint32_t b,
                   bool masks_match) {
   CHECK(*static_cast<int*>(context) == 77);
   return a % 7 != 0 && b % 7 != 0 && masks_match;
-}
-
-bool IsSame(Span<const IdPair> expected,
-            hs_status (*list)(const hs_broad_phase*, const hs_id_pair**,
-                              std::size_t*),
-            const hs_broad_phase* bodies) {
-  const hs_id_pair* pairs = nullptr;
-  std::size_t count = 0;
-  CHECK_OK(list(bodies, &pairs, &count));
-  return count == expected.size() &&
-         std::equal(expected.begin(), expected.end(), pairs,
-                    [](const IdPair& a, const hs_id_pair& b) {
-                      return a.a == b.a && a.b == b.b;
-                    });
 }
 
 template <typename View>
@@ -1266,6 +1331,7 @@ void TestKind() {
   TestQueryOfDoubles<View>();
   TestBvh<View>();
   if constexpr (!Kind<View>::kIsSimplex) {
+    TestPairEvents<View>();
     TestBroadPhase<View>(false);
     TestBroadPhase<View>(true);
   }

@@ -728,6 +728,77 @@ HALFSPACE_API hs_status hs_bvh_pairs_of_each(const hs_bvh* bvh,
 // parts take unequal times: use more ranges than threads.
 HALFSPACE_API hs_status hs_bvh_pair_parts(const hs_bvh* bvh, size_t* parts);
 
+// The hierarchy: pairs that begin and end -------------------------------------
+
+// The pairs of a BVH at the last update, and the difference to the update
+// before. pair_events.h describes it. An engine that moves its bodies, then
+// updates, then queries, needs no more than this and a BVH. A broad phase has
+// pair events of its own: hs_broad_phase_update_pairs().
+//
+//   hs_pair_events* events = NULL;
+//   hs_pair_events_create(NULL, &events);
+//   // each frame:
+//   hs_bvh_set(bvh, moved_ids, &moved_boxes);
+//   hs_pair_events_update_of(events, bvh, moved_ids, moved_count, NULL);
+//   hs_pair_events_began(events, &pairs, &count);
+//   hs_pair_events_ended(events, &pairs, &count);
+typedef struct hs_pair_events hs_pair_events;
+
+typedef struct hs_pair_event_options {
+  size_t struct_size;
+  uint32_t mask;  // as in hs_pair_options. ..._update_of() searches only the
+  float margin;   // pairs of `changed` by a new mask or margin.
+  const char* target;   // null: the chosen target
+  hs_run_function run;  // null: the calling thread does all work. The pairs do
+                        // not depend on it.
+  void* run_context;
+} hs_pair_event_options;
+
+HALFSPACE_API hs_status hs_pair_event_options_default(
+    hs_pair_event_options* options, size_t struct_size);
+
+// `allocator` may be null: the default, operator new. Pairs take 8 to 12 bytes
+// each, and twice as much during an update.
+HALFSPACE_API hs_status hs_pair_events_create(const hs_allocator* allocator,
+                                              hs_pair_events** events);
+// `events` may be null.
+HALFSPACE_API void hs_pair_events_destroy(hs_pair_events* events);
+
+// Finds all pairs of the BVH, which is of boxes or octahedra. A call that fails
+// changes nothing.
+HALFSPACE_API hs_status
+hs_pair_events_update(hs_pair_events* events, const hs_bvh* bvh,
+                      const hs_pair_event_options* options);
+
+// Finds the pairs of the `count` objects `changed`, and keeps the pairs of the
+// others. `changed` must have the ids of all objects that were inserted,
+// changed or erased since the last update, once or more often. The pairs of an
+// erased object end.
+HALFSPACE_API hs_status hs_pair_events_update_of(
+    hs_pair_events* events, const hs_bvh* bvh, const uint32_t* changed,
+    size_t count, const hs_pair_event_options* options);
+
+// Of the last update: all pairs, in any order; those that were not there after
+// the update before; and those that were and are not now. a < b, and the last
+// two lists are sorted by a, then by b. Valid until the next update or load.
+HALFSPACE_API hs_status hs_pair_events_pairs(const hs_pair_events* events,
+                                             const hs_id_pair** pairs,
+                                             size_t* count);
+HALFSPACE_API hs_status hs_pair_events_began(const hs_pair_events* events,
+                                             const hs_id_pair** pairs,
+                                             size_t* count);
+HALFSPACE_API hs_status hs_pair_events_ended(const hs_pair_events* events,
+                                             const hs_id_pair** pairs,
+                                             size_t* count);
+
+// Sets the pairs, in any order, and removes all events: the next update gives
+// the differences to these. Store the pairs with a blob, and load both, to go
+// on as the stored ones would. Without pairs, it frees all memory. Each pair
+// must have a < b < 2^31, and must be in the list once.
+HALFSPACE_API hs_status hs_pair_events_load(hs_pair_events* events,
+                                            const hs_id_pair* pairs,
+                                            size_t count);
+
 // The hierarchy: bytes and files ----------------------------------------------
 
 // The BVH as bytes, valid until it changes or is destroyed. The bytes can be

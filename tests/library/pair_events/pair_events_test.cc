@@ -519,6 +519,41 @@ TEST(PairEventsCoreTest, AFilterChoosesWhatIsKept) {
   EXPECT_GT(filter.calls, 10u);
 }
 
+// Subnormals would be 0, or trap. The filter runs in the mode of the caller.
+TEST(PairEventsCoreTest, TheModeOfTheCallerDoesNotMatter) {
+  std::vector<Aabb3> boxes;
+  for (int i = 0; i < 200; ++i) {
+    const float x = static_cast<float>(i) * 0x1p-140f;
+    boxes.push_back({{x, 0, 0}, {x + 0x1p-141f, 1, 1}});  // alone
+    boxes.push_back({{x, 0, 0}, {x + 0x1p-140f, 2, 2}});
+  }
+  const AabbBvh3 bvh{Span<const Aabb3>(boxes)};
+  const PairSet expected = FoundIn(bvh);
+  const std::vector<std::uint32_t> some = {7, 8, 300};
+  const Span<const std::uint32_t> changed(some);
+  for (const FpMode mode : {FpMode::kFlushes, FpMode::kTraps}) {
+    bool flushes = false;
+    detail::PairListFilter filter;
+    if (mode == FpMode::kFlushes) {
+      filter = {[](void* context, Span<IdPair> pairs) {
+                  *static_cast<bool*>(context) = FlushDenormals::IsOn();
+                  return pairs.size();
+                },
+                &flushes};
+    }
+    detail::PairEventsCore core{MemoryResource()};
+    RunIn(mode, [&] {
+      core.Update(detail::PairsIn(bvh), {}, filter);
+      core.Update(detail::PairsIn<AabbView3>(bvh, nullptr, &changed), {},
+                  filter);
+    });
+    EXPECT_EQ(flushes, mode == FpMode::kFlushes);
+    EXPECT_EQ(Sorted(core.pairs()), ListOf(expected));
+    EXPECT_TRUE(core.began().empty());
+    EXPECT_TRUE(core.ended().empty());
+  }
+}
+
 // The order of pairs that PairEvents rely on (bvh_pairs.h).
 template <typename View>
 void ExpectInOrderOfTheTree(const Bvh<View>& bvh, const PairVector& pairs) {
