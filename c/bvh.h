@@ -24,8 +24,7 @@ struct hs_bvh {
   const halfspace::c::Values queries;
   halfspace::detail::BvhTree tree;
   // The file that the tree is in until it changes, if it was mapped.
-  void* mapped = nullptr;
-  std::size_t mapped_bytes = 0;
+  halfspace::Span<const std::byte> mapped;
 };
 
 namespace halfspace::c {

@@ -12,13 +12,16 @@
 #include <new>
 #include <string>
 #include <system_error>
-#include <utility>
 
 #include "c/bvh.h"
 #include "c/call.h"
 
-#if defined(__unix__) || defined(__APPLE__)
-#define HALFSPACE_C_POSIX
+#if defined(_WIN32)
+#include <fcntl.h>
+#include <io.h>
+#include <sys/stat.h>
+#include <windows.h>
+#else
 #include <fcntl.h>
 #include <pthread.h>
 #include <sys/mman.h>
@@ -30,14 +33,45 @@ namespace halfspace::c {
 namespace {
 
 [[noreturn]] void FailFile(const Call& call, const char* path, const char* what,
-                           int error) {
+                           const std::error_code& error) {
   call.Fail(HS_IO_ERROR, "path", "\"%.256s\" cannot be %s: %s", path, what,
-            std::generic_category().message(error).c_str());
+            error.message().c_str());
+}
+
+// Of a call of the C library, or of POSIX.
+std::error_code LastError() { return {errno, std::generic_category()}; }
+
+std::filesystem::path PathOf([[maybe_unused]] const Call& call,
+                             const char* path) {
+#if defined(_WIN32)
+  try {
+    return reinterpret_cast<const char8_t*>(path);
+  } catch (const std::system_error&) {
+    FailFile(call, path, "read as UTF-8",
+             std::make_error_code(std::errc::illegal_byte_sequence));
+  }
+#else
+  return path;
+#endif
+}
+
+// Opens a file that does not exist yet.
+std::FILE* OpenNew(const std::filesystem::path& path) {
+#if defined(_WIN32)
+  // Not every C library of Windows knows the mode "x".
+  const int file =
+      _wopen(path.c_str(), _O_CREAT | _O_EXCL | _O_WRONLY | _O_BINARY,
+             _S_IREAD | _S_IWRITE);
+  return file < 0 ? nullptr : _fdopen(file, "wb");
+#else
+  return std::fopen(path.c_str(), "wbx");
+#endif
 }
 
 // Creates a file next to `path`, with a name that no other file has. The name
 // is short, as the longest name of a file can be 255 bytes.
-std::FILE* CreateNextTo(const char* path, std::string& name) {
+std::FILE* CreateNextTo(const std::filesystem::path& path,
+                        std::filesystem::path& name) {
   static std::atomic<std::uint32_t> calls{0};
   for (int attempt = 0;; ++attempt) {
     const auto now = static_cast<std::uint32_t>(
@@ -45,8 +79,9 @@ std::FILE* CreateNextTo(const char* path, std::string& name) {
     std::array<char, 16> suffix;
     std::snprintf(suffix.data(), suffix.size(), ".%08x.tmp",
                   static_cast<unsigned>(now + calls.fetch_add(1) * 0x9E3779B9));
-    name = std::string(path) + suffix.data();
-    std::FILE* const file = std::fopen(name.c_str(), "wbx");
+    name = path;
+    name += suffix.data();
+    std::FILE* const file = OpenNew(name);
     if (file != nullptr || errno != EEXIST || attempt == 100) return file;
   }
 }
@@ -57,59 +92,68 @@ bool WriteAll(std::FILE* file, Span<const std::byte> bytes) {
     return false;
   }
   if (std::fflush(file) != 0) return false;
-#if defined(HALFSPACE_C_POSIX)
-  // The bytes are on the disk before the new name is: a crash leaves the old
-  // file or the new one.
-  if (fsync(fileno(file)) != 0) return false;
+    // The bytes are on the disk before the new name is: a crash leaves the old
+    // file or the new one.
+#if defined(_WIN32)
+  return _commit(_fileno(file)) == 0;
+#else
+  return fsync(fileno(file)) == 0;
 #endif
-  return true;
 }
 
 // A rename would replace a device or a FIFO, too. /dev/stdout is a link to one.
-void CheckIsReplaceable(const Call& call, const char* path) {
+void CheckIsReplaceable(const Call& call, const char* path,
+                        const std::filesystem::path& name) {
   std::error_code error;
-  const auto type = std::filesystem::status(path, error).type();
+  const auto type = std::filesystem::status(name, error).type();
   using std::filesystem::file_type;
   if (type == file_type::regular || type == file_type::not_found) return;
-  FailFile(call, path, "written",
-           type == file_type::none        ? error.value()
-           : type == file_type::directory ? EISDIR
-                                          : ENODEV);
+  if (type == file_type::directory) {
+    error = std::make_error_code(std::errc::is_a_directory);
+  } else if (type != file_type::none) {
+    error = std::make_error_code(std::errc::no_such_device);
+  }
+  FailFile(call, path, "written", error);
 }
 
 // Removes a new file, unless Keep() was called.
 class NewFile {
  public:
-  explicit NewFile(const std::string& name) : name_(name) {}
+  explicit NewFile(const std::filesystem::path& name) : name_(name) {}
   NewFile(const NewFile&) = delete;
   NewFile& operator=(const NewFile&) = delete;
   ~NewFile() {
-    if (!is_kept_) std::remove(name_.c_str());
+    std::error_code ignored;
+    if (!is_kept_) std::filesystem::remove(name_, ignored);
   }
   void Keep() { is_kept_ = true; }
 
  private:
-  const std::string& name_;
+  const std::filesystem::path& name_;
   bool is_kept_ = false;
 };
 
 void Save(const Call& call, const char* path, Span<const std::byte> bytes) {
-  CheckIsReplaceable(call, path);
-  std::string next_to;
-  std::FILE* const file = CreateNextTo(path, next_to);
-  if (file == nullptr) FailFile(call, next_to.c_str(), "created", errno);
+  const std::filesystem::path name = PathOf(call, path);
+  CheckIsReplaceable(call, path, name);
+  std::filesystem::path next_to;
+  std::FILE* const file = CreateNextTo(name, next_to);
+  if (file == nullptr) {
+    const std::error_code error = LastError();
+    const std::u8string text = next_to.u8string();
+    FailFile(call, reinterpret_cast<const char*>(text.c_str()), "created",
+             error);
+  }
   NewFile new_file(next_to);
   bool is_written = WriteAll(file, bytes);
-  int error = errno;
+  std::error_code error = LastError();
   if (std::fclose(file) != 0 && is_written) {
     is_written = false;
-    error = errno;
+    error = LastError();
   }
   if (is_written) {
-    std::error_code result;
-    std::filesystem::rename(next_to, path, result);
-    if (!result) return new_file.Keep();
-    error = result.value();
+    std::filesystem::rename(next_to, name, error);
+    if (!error) return new_file.Keep();
   }
   FailFile(call, path, "written", error);
 }
@@ -148,7 +192,57 @@ hs_bvh* FromBytes(const Call& call, const char* argument,
   return bvh.release();
 }
 
-#if defined(HALFSPACE_C_POSIX)
+std::size_t SizeOf(const Call& call, const char* path, std::uint64_t size) {
+  if (size > PTRDIFF_MAX) throw std::bad_alloc();
+  if (size == 0) FailEmpty(call, path);
+  return static_cast<std::size_t>(size);
+}
+
+#if defined(_WIN32)
+struct NoCancel {
+  NoCancel() {}
+};
+
+std::error_code LastWindowsError() {
+  return {static_cast<int>(GetLastError()), std::system_category()};
+}
+
+struct CloseHandleOf {
+  void operator()(HANDLE handle) const { CloseHandle(handle); }
+};
+using Handle = std::unique_ptr<void, CloseHandleOf>;
+
+// The bytes of a file, which are no longer valid after Unmap().
+Span<const std::byte> MapFile(const Call& call, const char* path) {
+  const std::filesystem::path name = PathOf(call, path);
+  const HANDLE opened = CreateFileW(
+      name.c_str(), GENERIC_READ, FILE_SHARE_READ | FILE_SHARE_DELETE, nullptr,
+      OPEN_EXISTING, FILE_ATTRIBUTE_NORMAL, nullptr);
+  if (opened == INVALID_HANDLE_VALUE) {
+    FailFile(call, path, "opened", LastWindowsError());
+  }
+  const Handle file(opened);
+  if (GetFileType(file.get()) != FILE_TYPE_DISK) {
+    FailFile(call, path, "read",
+             std::make_error_code(std::errc::no_such_device));
+  }
+  LARGE_INTEGER length;
+  if (GetFileSizeEx(file.get(), &length) == 0) {
+    FailFile(call, path, "read", LastWindowsError());
+  }
+  const std::size_t size =
+      SizeOf(call, path, static_cast<std::uint64_t>(length.QuadPart));
+  const Handle mapping(
+      CreateFileMappingW(file.get(), nullptr, PAGE_READONLY, 0, 0, nullptr));
+  const void* const bytes =
+      mapping != nullptr ? MapViewOfFile(mapping.get(), FILE_MAP_READ, 0, 0, 0)
+                         : nullptr;
+  if (bytes == nullptr) FailFile(call, path, "mapped", LastWindowsError());
+  return {static_cast<const std::byte*>(bytes), size};
+}
+
+void Unmap(Span<const std::byte> bytes) { UnmapViewOfFile(bytes.data()); }
+#else
 // A thread that is canceled in a system call would leave the call by another
 // way than a return: through functions that are noexcept, and with open files.
 class NoCancel {
@@ -183,110 +277,47 @@ class Descriptor {
   int file_;
 };
 
-// A file in memory.
-class FileBytes {
- public:
-  FileBytes(const Call& call, const char* path) {
-    const Descriptor file(path);
-    if (file.get() < 0) FailFile(call, path, "opened", errno);
-    struct stat status;
-    if (fstat(file.get(), &status) != 0) FailFile(call, path, "read", errno);
-    if (!S_ISREG(status.st_mode)) {
-      FailFile(call, path, "read", S_ISDIR(status.st_mode) ? EISDIR : ENODEV);
-    }
-    if (status.st_size > PTRDIFF_MAX) throw std::bad_alloc();
-    size_ = static_cast<std::size_t>(status.st_size);
-    if (size_ == 0) FailEmpty(call, path);
-    bytes_ = mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.get(), 0);
-    if (bytes_ == MAP_FAILED) FailFile(call, path, "mapped", errno);
+// The bytes of a file, which are no longer valid after Unmap().
+Span<const std::byte> MapFile(const Call& call, const char* path) {
+  const Descriptor file(path);
+  if (file.get() < 0) FailFile(call, path, "opened", LastError());
+  struct stat status;
+  if (fstat(file.get(), &status) != 0)
+    FailFile(call, path, "read", LastError());
+  if (!S_ISREG(status.st_mode)) {
+    FailFile(call, path, "read",
+             std::make_error_code(S_ISDIR(status.st_mode)
+                                      ? std::errc::is_a_directory
+                                      : std::errc::no_such_device));
   }
-  FileBytes(const FileBytes&) = delete;
-  FileBytes& operator=(const FileBytes&) = delete;
-  ~FileBytes() {
-    if (bytes_ != nullptr) munmap(bytes_, size_);
-  }
+  const std::size_t size =
+      SizeOf(call, path, static_cast<std::uint64_t>(status.st_size));
+  void* const bytes =
+      mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.get(), 0);
+  if (bytes == MAP_FAILED) FailFile(call, path, "mapped", LastError());
+  return {static_cast<const std::byte*>(bytes), size};
+}
 
-  Span<const std::byte> span() const {
-    return {static_cast<const std::byte*>(bytes_), size_};
-  }
-  // The BVH unmaps them then.
-  void GiveTo(hs_bvh& bvh) {
-    bvh.mapped = std::exchange(bytes_, nullptr);
-    bvh.mapped_bytes = size_;
-  }
-
- private:
-  void* bytes_ = nullptr;
-  std::size_t size_ = 0;
-};
+void Unmap(Span<const std::byte> bytes) {
+  munmap(const_cast<std::byte*>(bytes.data()), bytes.size());
+}
+#endif
 
 hs_bvh* Load(const Call& call, const char* path, const BvhConfig& config) {
-  const FileBytes file(call, path);
-  return FromBytes(call, "path", config, file.span());
+  struct Mapped {
+    ~Mapped() { Unmap(bytes); }
+    const Span<const std::byte> bytes;
+  };
+  const Mapped file{MapFile(call, path)};
+  return FromBytes(call, "path", config, file.bytes);
 }
 
 hs_bvh* Map(const Call& call, const char* path, const BvhConfig& config) {
   auto bvh = MakeBvh(config.layout, config.options.memory);
-  FileBytes file(call, path);
-  const Span<const std::byte> bytes = file.span();
-  file.GiveTo(*bvh);
-  LoadBytes(call, "path", *bvh, bytes, /*is_in_place=*/true);
+  bvh->mapped = MapFile(call, path);
+  LoadBytes(call, "path", *bvh, bvh->mapped, /*is_in_place=*/true);
   return bvh.release();
 }
-#else
-struct NoCancel {
-  NoCancel() {}
-};
-
-struct CloseFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using File = std::unique_ptr<std::FILE, CloseFile>;
-
-// A file in memory.
-class FileBytes {
- public:
-  FileBytes(const Call& call, const char* path, const MemoryResource& memory)
-      : memory_(memory) {
-    const File file(std::fopen(path, "rb"));
-    if (file == nullptr) FailFile(call, path, "opened", errno);
-    std::error_code error;
-    const auto size = std::filesystem::file_size(path, error);
-    if (error) FailFile(call, path, "read", error.value());
-    if (size > PTRDIFF_MAX) throw std::bad_alloc();
-    size_ = static_cast<std::size_t>(size);
-    if (size_ == 0) FailEmpty(call, path);
-    bytes_ = detail::AllocateBlock(memory_, size_);
-    if (std::fread(bytes_, 1, size_, file.get()) != size_) {
-      const int read_error = std::ferror(file.get()) != 0 ? errno : EIO;
-      detail::FreeBlock(memory_, bytes_, size_);
-      FailFile(call, path, "read", read_error);
-    }
-  }
-  FileBytes(const FileBytes&) = delete;
-  FileBytes& operator=(const FileBytes&) = delete;
-  ~FileBytes() { detail::FreeBlock(memory_, bytes_, size_); }
-
-  Span<const std::byte> span() const {
-    return {static_cast<const std::byte*>(bytes_), size_};
-  }
-
- private:
-  MemoryResource memory_;
-  void* bytes_ = nullptr;
-  std::size_t size_ = 0;
-};
-
-hs_bvh* Load(const Call& call, const char* path, const BvhConfig& config) {
-  const FileBytes file(call, path, config.options.memory);
-  return FromBytes(call, "path", config, file.span());
-}
-
-hs_bvh* Map(const Call& call, const char*, const BvhConfig&) {
-  call.Fail(HS_UNSUPPORTED, "",
-            "files cannot be mapped on this system: use hs_bvh_load()");
-}
-#endif
 
 }  // namespace
 }  // namespace halfspace::c
@@ -297,9 +328,7 @@ using halfspace::c::Call;
 using halfspace::c::Run;
 
 hs_bvh::~hs_bvh() {
-#if defined(HALFSPACE_C_POSIX)
-  if (mapped != nullptr) munmap(mapped, mapped_bytes);
-#endif
+  if (!mapped.empty()) halfspace::c::Unmap(mapped);
 }
 
 hs_status hs_bvh_blob(const hs_bvh* bvh, const void** data, size_t* size) {

@@ -48,8 +48,13 @@ class Collector : public benchmark::BenchmarkReporter {
       if (run.run_type != Run::RT_Iteration) continue;
       const std::size_t index = std::stoul(run.run_name.function_name);
       // CPU time of this thread: a kernel never waits, and real time would
-      // count the other programs of a busy machine.
+      // count the other programs of a busy machine. Windows counts CPU time in
+      // steps of 16 ms.
+#if defined(_WIN32)
+      const double seconds = run.real_accumulated_time;
+#else
       const double seconds = run.cpu_accumulated_time;
+#endif
       timings_[index].iterations = static_cast<std::size_t>(run.iterations);
       timings_[index].samples.push_back(
           seconds * 1e9 /
@@ -173,6 +178,11 @@ std::vector<Timing> Measure(const std::vector<Case>& cases,
   for (const Timing& timing : timings) {
     if (timing.samples.size() != effort.repetitions) {
       throw std::logic_error(timing.name + ": was not timed");
+    }
+    // Ratios of such times are no numbers.
+    if (!(timing.Quantile(0.0) > 0.0)) {
+      throw std::runtime_error(timing.name +
+                               ": took no time, so the clock is too coarse");
     }
   }
   return timings;

@@ -19,9 +19,14 @@ struct TeamTime {
   double cpu_share = 1.0;  // of the thread that was on a CPU least of its time
 };
 
-// CPU seconds of this thread; 0 where the system does not tell.
+// CPU seconds of this thread, and 0 on systems that have no such clock. Windows
+// counts them in steps of 16 ms, so there it is real time.
 inline double ThreadSeconds() {
-#if defined(CLOCK_THREAD_CPUTIME_ID)
+#if defined(_WIN32)
+  return std::chrono::duration<double>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+#elif defined(CLOCK_THREAD_CPUTIME_ID)
   timespec time;
   if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time) == 0) {
     return static_cast<double>(time.tv_sec) +

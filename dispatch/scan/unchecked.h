@@ -64,7 +64,7 @@ class Unchecked {
                              const T* const* planes, std::size_t n,
                              const T* queries, std::size_t count) {
     detail::Scan scan;
-    scan.type = &detail::kScanType<View, T>;
+    scan.type = detail::ScanTypeOf<View, T>();
     scan.planes = planes;
     scan.addresses =
         detail::AddressesOf(planes, std::make_index_sequence<kPlanes>());

@@ -3,6 +3,14 @@
 
 #include "check.h"
 
+#if defined(_WIN32)
+#include <malloc.h>
+#define aligned_alloc(alignment, size) _aligned_malloc(size, alignment)
+#define free_aligned _aligned_free
+#else
+#define free_aligned free
+#endif
+
 enum { OBJECTS = 3000, VALUES = 8 };
 
 static float objects[OBJECTS * VALUES];
@@ -36,7 +44,7 @@ static void deallocate(void* context, void* block, size_t bytes,
   CHECK(alignment == 64);
   --its->live;
   its->bytes -= bytes;
-  free(block);
+  free_aligned(block);
 }
 static hs_allocator allocator_of(memory* its) {
   hs_allocator allocator;

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <limits>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "bench/base/text.h"
 #include "bench/measure/load_probe.h"
 #include "bench/measure/machine.h"
+#include "bench/measure/measure.h"
 #include "bench/measure/team.h"
 #include "bench/worlds/working_set.h"
 
@@ -26,6 +28,17 @@ TEST(TeamTest, RunsEachThreadOnceAndRethrows) {
                        [](std::size_t i) {
                          if (i == 1) throw std::runtime_error("over there");
                        }),
+               std::runtime_error);
+}
+
+// Ratios of times of 0 were NaN, and were printed.
+TEST(MeasureTest, RefusesATimeOfZero) {
+  Case nothing;
+  nothing.name = "nothing";
+  nothing.items = std::numeric_limits<double>::infinity();
+  nothing.run = [] {};
+  Progress progress;
+  EXPECT_THROW(Measure({nothing}, {.repetitions = 1}, progress),
                std::runtime_error);
 }
 

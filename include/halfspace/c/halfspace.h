@@ -832,6 +832,8 @@ HALFSPACE_API hs_status hs_bvh_in_place(const hs_bvh_config* config,
                                         const void* data, size_t size,
                                         hs_bvh** bvh);
 
+// A path is UTF-8 on Windows, and the system's bytes elsewhere.
+//
 // Writes the blob to a file. An existing file is replaced when the new one is
 // complete: the blob is first written to a new file in the same folder. The
 // name of this file is `path` and 13 more characters that end with ".tmp". It
@@ -855,11 +857,11 @@ HALFSPACE_API hs_status hs_bvh_load(const hs_bvh_config* config,
 //
 // The file must not be changed or made shorter while the BVH lives. The checks
 // are then void, and calls can crash. hs_bvh_save() to the same path is fine,
-// as it replaces the file.
+// as it replaces the file. But Windows refuses to replace a file while it is
+// mapped: hs_bvh_save() returns HS_IO_ERROR until the BVH is destroyed.
 //
 // The first change of the BVH copies the bytes and checks them in part: it can
-// fail with HS_INVALID_ARGUMENT if they were altered. HS_UNSUPPORTED on systems
-// without mmap.
+// fail with HS_INVALID_ARGUMENT if they were altered.
 HALFSPACE_API hs_status hs_bvh_map(const hs_bvh_config* config,
                                    const char* path, hs_bvh** bvh);
 

@@ -160,8 +160,13 @@ constexpr ScanType MakeScanType() {
   return type;
 }
 
+// Initialized by the compiler, except in a program that uses a DLL: there the
+// address of the kernels is no constant.
 template <typename View, typename T>
-inline constexpr ScanType kScanType = MakeScanType<View, T>();
+const ScanType* ScanTypeOf() {
+  static const ScanType type = MakeScanType<View, T>();
+  return &type;
+}
 
 // Each pointer is read once, by itself: a copy in vectors waits for the stores
 // that made the view, which took a call 5 ns more.
@@ -187,7 +192,7 @@ Scan ScanOf(const View& view, const typename View::Query* queries,
   using T = std::remove_const_t<
       std::remove_pointer_t<std::remove_reference_t<decltype(planes[0])>>>;
   Scan scan;
-  scan.type = &kScanType<View, std::remove_const_t<T>>;
+  scan.type = ScanTypeOf<View, std::remove_const_t<T>>();
   scan.planes = planes;
   scan.addresses = AddressesOf(
       planes, std::make_index_sequence<kPlaneCount<typename View::Bound>>());
