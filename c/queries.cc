@@ -73,6 +73,11 @@ struct Queries {
         kind = dims == 2 ? &detail::kShapeKind<AabbView2, Sphere<2>>
                          : &detail::kShapeKind<AabbView3, Sphere<3>>;
         break;
+      case HS_SHAPE_ROUNDED_BOX:
+        values = Values::OfColumns(2 * dims + 1);
+        kind = dims == 2 ? &detail::kShapeKind<AabbView2, RoundedBox<2>>
+                         : &detail::kShapeKind<AabbView3, RoundedBox<3>>;
+        break;
       default:
         call.Fail(HS_INVALID_ARGUMENT, "options->shape",
                   "expected an enumerator of hs_shape, got %d",

@@ -37,13 +37,14 @@ bool SetOffset(double scaled, HalfSpaceTest& test) {
 
 }  // namespace
 
-void MakeBall(const PlaneLayout& planes, const float* center, float radius,
-              Ball& ball) {
+void MakeBall(const PlaneLayout& planes, const float* low, const float* high,
+              float radius, Ball& ball) {
   ball.center.dims = planes.dims;
   ball.center.max_plane = planes.first_max;
   ball.limit = SquaredLimit(radius);
   for (std::size_t k = 0; k < planes.dims; ++k) {
-    ball.center.low[k] = ball.center.high[k] = center[k];
+    ball.center.low[k] = low[k];
+    ball.center.high[k] = high[k];
   }
   ball.d_axis = planes.axes > planes.dims ? planes.dims : 0u;
   if (ball.d_axis == 0) return;
@@ -51,13 +52,15 @@ void MakeBall(const PlaneLayout& planes, const float* center, float radius,
   // magnitudes.
   double width =
       std::sqrt(static_cast<double>(planes.dims)) * (1 + 0x1p-50) * radius;
-  double d = 0;
+  double least = 0;
+  double most = 0;
   for (std::size_t k = 0; k < planes.dims; ++k) {
-    d -= center[k];
-    width += 0x1p-50 * std::abs(double{center[k]});
+    least -= high[k];
+    most -= low[k];
+    width += 0x1p-50 * (std::abs(double{low[k]}) + std::abs(double{high[k]}));
   }
-  ball.d_min = RoundedDown(d - width);
-  ball.d_max = RoundedUp(d + width);
+  ball.d_min = RoundedDown(least - width);
+  ball.d_max = RoundedUp(most + width);
 }
 
 void MakeLine(const PlaneLayout& planes, const double* low, const double* high,

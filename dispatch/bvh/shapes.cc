@@ -31,7 +31,8 @@ Point<kDims> PointAt(const float* values) {
 
 bool HasRadius(const BvhShapeQuery& query) {
   return query.kind == BvhShapeQuery::kSphere ||
-         query.kind == BvhShapeQuery::kCapsule;
+         query.kind == BvhShapeQuery::kCapsule ||
+         query.kind == BvhShapeQuery::kRoundedBox;
 }
 std::size_t PointsOf(const BvhShapeQuery& query) {
   return query.kind == BvhShapeQuery::kPoint ||
@@ -59,7 +60,8 @@ void CheckShape(const BvhShapeQuery& query, const char* call) {
                         alignof(float));
 }
 
-// Whether a builder of fit.h can bound this point, sphere, segment or capsule.
+// Whether a builder of fit.h can bound this point, sphere, segment, capsule or
+// rounded box.
 // Called in the default floating-point mode.
 bool CanBeBounded(const BvhShapeQuery& query) {
   for (std::size_t p = 0; p < PointsOf(query); ++p) {
@@ -82,6 +84,7 @@ class Prepared {
         SetBounds();
         return;
       case BvhShapeQuery::kSphere:
+      case BvhShapeQuery::kRoundedBox:
         SetBall();
         return;
       case BvhShapeQuery::kSegment:
@@ -123,11 +126,16 @@ class Prepared {
 
  private:
   void SetBall() {
-    MakeBall(world_, query_.values, RadiusOf(query_), ball_);
+    const bool is_sphere = query_.kind == BvhShapeQuery::kSphere;
+    MakeBall(world_, query_.values,
+             query_.values + (is_sphere ? 0 : query_.dims), RadiusOf(query_),
+             ball_);
     is_ = kBall;
-    // If the square of the radius overflows, the ball rejects nothing, but its
-    // bound does.
-    if (!CanBeBounded(query_) || !(ball_.limit <= kMax<float>)) SetBounds();
+    // If the square of the radius overflows, the ball rejects nothing, but the
+    // bound of a sphere does.
+    if (!CanBeBounded(query_) || !(ball_.limit <= kMax<float>)) {
+      SetBounds(!is_sphere);
+    }
   }
 
   void SetLine() {

@@ -1,26 +1,27 @@
-// The queries of bvh.h with a point, sphere, segment, capsule, oriented box or
-// half-spaces.
+// The queries of bvh.h with a point, sphere, segment, capsule, rounded box,
+// oriented box or half-spaces.
 //
 //   Survivors(bvh, Sphere3{{x, y, z}, radius}, ids)
 //   CountSurvivors(bvh, Segment3{a, b})
 //   ForEachSurvivor(bvh, Capsule3{a, b, radius}, function)
+//   Survivors(bvh, RoundedBox3{box, distance}, ids)   at most so far away
 //   Survivors(bvh, OrientedBox3{center, {right, up, back}, half_extents}, ids)
 //   AnySurvivor(bvh, frustum)        e.g. a std::array<HalfSpace3, 6>
 //   SurvivorsOfEach(bvh, spheres, ids, offsets)
 //
 // This header adds types of queries to the calls of bvh.h, except
 // CountSurvivorsOfEach(). A query shape is a Point<d>, Sphere<d>, Segment<d>,
-// Capsule<d> or OrientedBox<d> of floats (shapes.h) in the world's d
-// dimensions, or a list of up to 64 HalfSpace<d>: the region in front of all of
-// them. Everything else is as in bvh.h.
+// Capsule<d>, RoundedBox<d> or OrientedBox<d> of floats (shapes.h) in the
+// world's d dimensions, or a list of up to 64 HalfSpace<d>: the region in front
+// of all of them. Everything else is as in bvh.h.
 //
 // An object survives unless a test of its bound proves that the shape cannot
 // touch it:
 //   point: its bound is the query, exact on X, Y and Z and rounded outward on
 //     D.
-//   sphere: the distance of the object's box from the center, and the range of
-//     D. A simplex has no box: there it is the distance of the octant above its
-//     minima.
+//   sphere, rounded box: the distance of the object's box from the center or
+//     the box, and the range of D. A simplex has no box: there it is the
+//     distance of the octant above its minima.
 //   segment, capsule: the slab test. The parts of the segment that are within
 //     the radius of the planes of each axis, D included, must overlap. Near an
 //     edge, an object up to sqrt(d) * radius away can survive.
@@ -37,15 +38,16 @@
 // targets return the same objects.
 //
 // NaN and infinities: planes of objects as in reject.h. A point, sphere,
-// segment or capsule with a NaN in a point, with an infinity, or with
-// magnitudes that sum to more than 2^125 is a query of Everything(), like the
-// bound that a builder of fit.h makes of it. An oriented box with a NaN or an
-// infinity keeps every object. A NaN radius is an error. A half-space with a
-// NaN or an infinity keeps every object, and so does one whose normal has a
-// component that is not 0 and less than 2^-96 of another. An empty list of
-// half-spaces keeps every object. An Empty() object is found only by a query
-// that keeps every object: a list of half-spaces, or an oriented box with a NaN
-// or an infinity.
+// segment, capsule or rounded box with a NaN in a point, with an infinity, or
+// with magnitudes that sum to more than 2^125 is a query of Everything(), like
+// the bound that a builder of fit.h makes of it. So is a rounded box with a
+// radius above 2^63. One with a minimum above its maximum finds any objects. An
+// oriented box with a NaN or an infinity keeps every object. A NaN radius is an
+// error. A half-space with a NaN or an infinity keeps every object, and so does
+// one whose normal has a component that is not 0 and less than 2^-96 of
+// another. An empty list of half-spaces keeps every object. An Empty() object
+// is found only by a query that keeps every object: a list of half-spaces, or
+// an oriented box with a NaN or an infinity.
 //
 // Errors (error.h): those of bvh.h; a radius is negative or NaN; there are
 // more than 64 half-spaces; the pointer to them is null or misaligned.
@@ -58,9 +60,9 @@
 // Cost: a block takes one to three times as long as with a box, and five to
 // seven times for a frustum or an oriented box, which is up to 12 half-spaces.
 // A call takes up to 0.1 us more, and 0.4 us for an oriented box. Nodes inside
-// a sphere, or in front of all half-spaces, are counted and listed without
-// tests of their objects (not with simplices). SurvivorsOfEach() runs one query
-// after another.
+// a sphere or a rounded box, or in front of all half-spaces, are counted and
+// listed without tests of their objects (not with simplices). SurvivorsOfEach()
+// runs one query after another.
 //
 // Source: the slab method and the support function of a box are common
 // knowledge.
@@ -103,6 +105,10 @@ BvhShapeQuery ShapeQueryOf(const Segment<kDims>& segment) {
 template <int kDims>
 BvhShapeQuery ShapeQueryOf(const Capsule<kDims>& capsule) {
   return ShapeQuery(BvhShapeQuery::kCapsule, kDims, &capsule, 1);
+}
+template <int kDims>
+BvhShapeQuery ShapeQueryOf(const RoundedBox<kDims>& box) {
+  return ShapeQuery(BvhShapeQuery::kRoundedBox, kDims, &box, 1);
 }
 template <int kDims>
 BvhShapeQuery ShapeQueryOf(const OrientedBox<kDims>& box) {

@@ -80,6 +80,13 @@ struct Capsule {
   Scalar radius;
 };
 
+// All points within `radius` of a box.
+template <int kDims, typename Scalar = float>
+struct RoundedBox {
+  Box<kDims, Scalar> box;
+  Scalar radius;
+};
+
 // The points center + sum of s[i] * half_extents[i] * axes[i] for
 // -1 <= s[i] <= 1. The axes can have any lengths, and any angles between them.
 template <int kDims, typename Scalar = float>
@@ -150,6 +157,9 @@ using Sphere4 = Sphere<4>;
 using Capsule2 = Capsule<2>;
 using Capsule3 = Capsule<3>;
 using Capsule4 = Capsule<4>;
+using RoundedBox2 = RoundedBox<2>;
+using RoundedBox3 = RoundedBox<3>;
+using RoundedBox4 = RoundedBox<4>;
 using OrientedBox2 = OrientedBox<2>;
 using OrientedBox3 = OrientedBox<3>;
 using OrientedBox4 = OrientedBox<4>;

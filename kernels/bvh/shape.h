@@ -20,8 +20,8 @@ struct NearBox {
   float high[3];
 };
 
-// The points whose squared distance from the center, as computed, is at most
-// the limit.
+// The points whose squared distance from a point or a box, as computed, is at
+// most the limit.
 struct Ball {
   NearBox center;
   float limit;
@@ -98,8 +98,9 @@ inline float RoundedUp(double value) {
 }
 
 // These are called in the default floating-point mode.
-void MakeBall(const PlaneLayout& planes, const float* center, float radius,
-              Ball& ball);
+// Makes the ball of a sphere, whose center is `low` and `high`, or of a box.
+void MakeBall(const PlaneLayout& planes, const float* low, const float* high,
+              float radius, Ball& ball);
 // Makes the line of a box from `low` to `high` that is `radius` larger on each
 // side and moves by t * `direction`. A point has low == high. A bound counts as
 // touched if the box touches it on each axis by itself, D included.

@@ -102,7 +102,7 @@ class ShapeQuery {
   }
 };
 
-// The bounds that a ball may touch.
+// The bounds that a sphere or a rounded box may touch.
 class BallQuery : public ShapeQuery<BallQuery> {
  public:
   static constexpr bool kFindsInside = true;
@@ -142,8 +142,10 @@ class BallQuery : public ShapeQuery<BallQuery> {
       };
       auto sum = hn::Zero(d);
       for (size_t k = 0; k < ball_.center.dims; ++k) {
-        const auto c = hn::Set(d, ball_.center.low[k]);
-        const auto gap = GreaterOf(hn::Sub(max(k), c), hn::Sub(c, min(k)));
+        const auto gap = GreaterOf(
+            GreaterOf(hn::Sub(max(k), hn::Set(d, ball_.center.high[k])),
+                      hn::Sub(hn::Set(d, ball_.center.low[k]), min(k))),
+            hn::Zero(d));
         sum = hn::Add(sum, hn::Mul(gap, gap));
       }
       auto is_inside = hn::Le(sum, hn::Set(d, ball_.limit));

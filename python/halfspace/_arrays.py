@@ -254,6 +254,21 @@ def spheres(centers: Any, radii: Any, dims: int) -> Table:
     return table._replace(arrays=(columns,))
 
 
+def rounded_boxes(boxes: Table, within: Any) -> Table:
+    """Boxes and the distance from each as 2 * d + 1 columns: floats that enclose those
+    of doubles."""
+    limits = per_row(within, "within", boxes.length)
+    exact = np.concatenate(boxes.arrays, axis=1)
+    with np.errstate(over="ignore"):
+        rounded = exact.astype(np.float32)
+    d = exact.shape[1] // 2
+    low, high = rounded[:, :d], rounded[:, d:]
+    np.nextafter(low, np.float32(-np.inf), out=low, where=low > exact[:, :d])
+    np.nextafter(high, np.float32(np.inf), out=high, where=high < exact[:, d:])
+    columns = np.concatenate((rounded,) + limits.arrays, axis=1)
+    return boxes._replace(arrays=(columns,))
+
+
 def vertices(value: Any, name: str) -> np.ndarray:
     """A contiguous array of points without NaN, in 2 or 3 dimensions."""
     array = numbers(value, name)

@@ -155,15 +155,18 @@ class BVH:
         self,
         boxes: Any,
         *,
+        within: Any = None,
         threads: Optional[int] = 1,
         progress: Optional[Progress] = None,
     ) -> np.ndarray:
-        """Finds the objects that overlap boxes.
+        """Finds the objects that overlap boxes, or that are near them.
 
         Parameters
         ----------
         boxes : array_like, shape (m, 2 d) or (2 d,)
             As in `BVH`, in the dimensions of the tree.
+        within : float or array_like, shape (m,), optional
+            Also finds the objects that are at most so far from the box.
         threads, progress
             As in `BVH`.
 
@@ -191,18 +194,42 @@ class BVH:
         >>> tree.query([3, 3, 4, 4])
         array([1])
         """
-        if type(boxes) is np.ndarray and boxes.ndim == 1:
+        if type(boxes) is np.ndarray and boxes.ndim == 1 and within is None:
             ids = self._tree.query_one(boxes)
             if ids is not None:
                 return ids
         table = self._boxes(boxes)
+        if within is not None:
+            table = _arrays.rounded_boxes(table, within)
         found = self._query(table, _arrays.threads(threads), progress)
         return found[1] if table.single else found
+
+    def query_sphere(
+        self,
+        centers: Any,
+        radii: Any,
+        *,
+        threads: Optional[int] = 1,
+        progress: Optional[Progress] = None,
+    ) -> np.ndarray:
+        """Finds the objects that spheres touch: those at most `radii` from `centers`.
+
+        `centers` has the shape (m, d) or (d,), and `radii` is one number, or
+        one for each center. float64 spheres are enclosed. Results are those of
+        `query`.
+        """
+        spheres = _arrays.spheres(centers, radii, self.dims)
+        found = self._query(spheres, _arrays.threads(threads), progress)
+        return found[1] if spheres.single else found
 
     def _query(
         self, table: _arrays.Table, threads: int, progress: Optional[Progress]
     ) -> np.ndarray:
-        by_join = table.length >= 4096 and self._is_join_faster(table)
+        by_join = (
+            table.length >= 4096
+            and table.columns == 2 * self.dims
+            and self._is_join_faster(table)
+        )
         return self._tree.query(table.arrays, by_join, threads, progress)
 
     def _is_join_faster(self, table: _arrays.Table) -> bool:

@@ -244,14 +244,19 @@ Ids QueryByJoin(const Tree& tree, const Columns& boxes, Work& work) {
   return ids;
 }
 
+// Queries of boxes, of spheres, or of boxes with a distance.
 Ids Query(Tree& tree, const py::tuple& arrays, bool by_join,
           std::size_t threads, py::object progress) {
-  const Columns boxes(arrays);
+  const Columns queries(arrays);
+  hs_query_options options = DefaultOf(&hs_query_options_default);
+  if (queries.size == tree.dims + 1) options.shape = HS_SHAPE_SPHERE;
+  if (queries.size == 2 * tree.dims + 1) options.shape = HS_SHAPE_ROUNDED_BOX;
   Work work(threads, std::move(progress));
   const Reading reading(tree);
-  Ids ids = by_join ? QueryByJoin(tree, boxes, work)
-                    : FindAll(boxes, kPartQueries, work,
-                              FinderOf(tree.bvh.get(), &hs_bvh_query));
+  Ids ids = by_join
+                ? QueryByJoin(tree, queries, work)
+                : FindAll(queries, kPartQueries, work,
+                          FinderOf(tree.bvh.get(), &hs_bvh_query, &options));
   work.Finish();
   return ids;
 }

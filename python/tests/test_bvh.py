@@ -297,3 +297,45 @@ def test_boxes_by_id(boxes):
     boxes[7] = boxes[5]
     np.testing.assert_array_equal(tree.boxes(), boxes)
     assert hs.BVH(boxes[:0]).boxes().shape == (0, 2 * dims)
+
+
+def gaps_between(queries, boxes):
+    """Between all pairs of boxes, as doubles."""
+    d = boxes.shape[1] // 2
+    a, b = np.float64(queries)[:, np.newaxis], np.float64(boxes)[np.newaxis]
+    gaps = np.maximum(a[..., :d] - b[..., d:], b[..., :d] - a[..., d:])
+    return np.linalg.norm(np.maximum(gaps, 0), axis=2)
+
+
+# Those that are in doubt as floats are left out of the comparison.
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("each", [False, True])
+def test_what_is_within_a_distance(boxes, queries, dtype, each):
+    tree = hs.BVH(boxes)
+    within = np.linspace(0, 0.3, len(queries)) if each else 0.07
+    limits = np.broadcast_to(within, len(queries))[:, np.newaxis]
+    d = tree.dims
+    centers = queries[:, :d]
+
+    def check(found, distances):
+        matrix = as_matrix(found, distances.shape)
+        assert matrix[distances <= limits].all()
+        assert not matrix[distances > 1.0001 * limits + 1e-5].any()
+        assert (np.diff(found[0]) >= 0).all()
+
+    points = np.hstack([centers, centers])
+    check(tree.query(dtype(queries), within=within), gaps_between(queries, boxes))
+    check(tree.query_sphere(dtype(centers), within), gaps_between(points, boxes))
+    rows, ids = tree.query(queries, within=within)
+    assert sorted(tree.query(queries[3], within=limits[3, 0])) == sorted(ids[rows == 3])
+    assert sorted(tree.query_sphere(centers[3], 0.0)) == sorted(tree.query(points[3]))
+
+
+def test_distances_of_doubles_are_rounded_outward():
+    tree = hs.BVH([[0, 0, 1, 1]])
+    just_above = np.nextafter(1.25, 2)
+    box = np.array([just_above, 0, 2, 1])
+    assert tree.query(box, within=just_above - 1).tolist() == [0]
+    assert tree.query(box, within=0.25).tolist() == [0]
+    assert tree.query(box, within=0.2499).tolist() == []
+    assert tree.query_sphere([just_above, 0.5], 0.25).tolist() == [0]

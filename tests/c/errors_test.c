@@ -484,9 +484,9 @@ static void test_bodies(void) {
           "outward, got HS_FLOAT64");
   INVALID(hs_broad_phase_count, (bodies, &motions, &query, &size),
           "radius: expected a number that is not negative, got -1");
-  query.shape = (hs_shape)3;
+  query.shape = (hs_shape)4;
   INVALID(hs_broad_phase_any, (bodies, &motions, &query, &id),
-          "options->shape: expected an enumerator of hs_shape, got 3");
+          "options->shape: expected an enumerator of hs_shape, got 4");
   query.shape = HS_SHAPE_BOUND;
   query.exclusive = 1;
   one = hs_float_rows(boxes, 1, 4);

@@ -700,6 +700,7 @@ void CheckSearches(const World& world, const typename Functions::Handle* handle,
   const Records points = RandomNumbers(kQueries, kDims, 22);
   const Records spheres = RandomNumbers(kQueries, kDims + 1, 23, 0.1);
   const Records boxes = RandomBounds(kQueries, kDims, kDims, 0.1, 24, false);
+  const Records rounded = RandomNumbers(kQueries, 2 * kDims + 1, 25, 0.1);
   hs_columns one = Its::Queries(bounds, kRows);
   one.count = 1;
   CheckQueries<Functions>(world, handle, one,
@@ -717,6 +718,9 @@ void CheckSearches(const World& world, const typename Functions::Handle* handle,
       CheckQueries<Functions>(world, handle, spheres.In(form),
                               Shapes<Sphere<kDims>>(spheres), HS_SHAPE_SPHERE,
                               mask);
+      CheckQueries<Functions>(world, handle, rounded.In(form),
+                              Shapes<RoundedBox<kDims>>(rounded),
+                              HS_SHAPE_ROUNDED_BOX, mask);
     }
   }
 

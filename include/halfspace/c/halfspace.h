@@ -533,9 +533,11 @@ HALFSPACE_API hs_status hs_bvh_cost_ratio(const hs_bvh* bvh, double* ratio);
 // ..._probe(). Points and spheres must be floats. bvh_shapes.h says which
 // objects survive them.
 typedef enum hs_shape HALFSPACE_INT {
-  HS_SHAPE_BOUND = 0,  // a record of the kind of the objects
-  HS_SHAPE_POINT = 1,  // d columns
-  HS_SHAPE_SPHERE = 2  // d + 1 columns: the center and the radius
+  HS_SHAPE_BOUND = 0,       // a record of the kind of the objects
+  HS_SHAPE_POINT = 1,       // d columns
+  HS_SHAPE_SPHERE = 2,      // d + 1 columns: the center and the radius
+  HS_SHAPE_ROUNDED_BOX = 3  // 2 d + 1 columns: the minima, the maxima and the
+                            // distance from this box
 } hs_shape;
 
 typedef struct hs_query_options {

@@ -233,6 +233,7 @@ struct BvhShapeQuery {
     kSphere,
     kSegment,
     kCapsule,
+    kRoundedBox,
     kOrientedBox,
     kHalfSpaces
   };

@@ -693,6 +693,14 @@ std::vector<Shape> SomeShapes(const Layout& layout, Shape::Kind kind,
           all.push_back(numbers.Radius(radius / 4));
         }
         break;
+      case Shape::kRoundedBox:
+        numbers.Add(dims, all);
+        for (std::size_t k = 0; k < dims; ++k) {
+          all.push_back(all[k] +
+                        numbers.Radius(random() % 4 == 0 ? 0 : radius));
+        }
+        all.push_back(numbers.Radius(random() % 8 == 0 ? 0 : 2 * radius));
+        break;
       case Shape::kOrientedBox:
         numbers.Add(dims, all);
         for (std::size_t k = 0; k < dims * dims; ++k) {

@@ -83,6 +83,7 @@ struct Shape {
     kSphere,
     kSegment,
     kCapsule,
+    kRoundedBox,
     kOrientedBox,
     kHalfSpaces,
   };

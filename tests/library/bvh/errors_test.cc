@@ -250,7 +250,11 @@ TEST_F(BvhErrorsTest, QueriesCheckTheirArguments) {
          {[&, bad] {
             (void)CountSurvivors(bvh_, Capsule3{{0, 0, 0}, {1, 1, 1}, bad});
           },
-          {"CountSurvivors", "radius"}}});
+          {"CountSurvivors", "radius"}},
+         {[&, bad] {
+            (void)AnySurvivor(bvh_, RoundedBox3{Aabb3{}, bad});
+          },
+          {"AnySurvivor", "radius"}}});
   }
   ExpectRefused(calls);
   BoxCast(bvh_, Aabb3{}, {1, 0, 0}, -0.0f, ignore);

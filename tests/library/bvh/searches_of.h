@@ -179,6 +179,8 @@ class SearchesOf : public Base {
         return AskOf<Segment<kDims>>(shapes, call);
       case Shape::kCapsule:
         return AskOf<Capsule<kDims>>(shapes, call);
+      case Shape::kRoundedBox:
+        return AskOf<RoundedBox<kDims>>(shapes, call);
       case Shape::kOrientedBox:
         return AskOf<OrientedBox<kDims>>(shapes, call);
       case Shape::kHalfSpaces:

@@ -33,8 +33,8 @@ inline float SquaredDistanceOf(const Layout& layout, const Planes& planes,
 
 inline bool IsInReach(const Layout& layout, const Planes& planes,
                       const detail::Ball& ball) {
-  const float* const center = ball.center.low;
-  if (SquaredDistanceOf(layout, planes, center, center) > ball.limit) {
+  if (SquaredDistanceOf(layout, planes, ball.center.low, ball.center.high) >
+      ball.limit) {
     return false;
   }
   return ball.d_axis == 0 ||
@@ -121,11 +121,18 @@ class ShapeReference {
     } else if (shape.kind == Shape::kPoint || shape.kind == Shape::kSphere) {
       Sphere<kDims> sphere{};
       std::copy_n(n, shape.numbers.size(), &sphere.center[0]);
-      detail::MakeBall(layout_, n, sphere.radius, ball_);
+      detail::MakeBall(layout_, n, n, sphere.radius, ball_);
       const Aabo<kDims> bound = BoundSphere(sphere);
       has_ball_ = shape.kind == Shape::kSphere &&
                   bound != Aabo<kDims>::Everything() && ball_.limit != kInf;
       if (!has_ball_) bound_ = QueryPlanesOf(layout_, bound);
+    } else if (shape.kind == Shape::kRoundedBox) {
+      Capsule<kDims> corners{};
+      std::memcpy(&corners, n, shape.numbers.size() * sizeof(float));
+      detail::MakeBall(layout_, n, n + kDims, corners.radius, ball_);
+      has_ball_ = BoundCapsule(corners) != Aabo<kDims>::Everything() &&
+                  ball_.limit != kInf;
+      if (!has_ball_) bound_ = AllPlanes(layout_, kMost);
     } else {
       Capsule<kDims> capsule{};
       std::memcpy(&capsule, n, shape.numbers.size() * sizeof(float));

@@ -95,6 +95,14 @@ TEST_P(BvhShapesTest, NeverRejectWhatTouches) {
     Shape capsule{Shape::kCapsule, segment.numbers};
     sphere.numbers.push_back(scaled(radius));
     capsule.numbers.push_back(scaled(radius));
+    Shape rounded{Shape::kRoundedBox, {}};
+    for (bool is_max : {false, true}) {
+      for (std::size_t k = 0; k < dims; ++k) {
+        rounded.numbers.push_back(
+            scaled(is_max ? std::max(a[k], b[k]) : std::min(a[k], b[k])));
+      }
+    }
+    rounded.numbers.push_back(scaled(radius));
     if (!is_exact) continue;
     // In front of planes through a point.
     for (std::size_t i = random() % 7; i-- > 0;) {
@@ -113,6 +121,7 @@ TEST_P(BvhShapesTest, NeverRejectWhatTouches) {
     std::vector<Planes> on_segment;
     std::vector<Planes> on_capsule;
     std::vector<Planes> on_sphere;
+    std::vector<Planes> on_rounded;
     std::vector<Planes> on_point(150);
     for (Planes& bound : on_point) {
       // A corner of a box with axes at any angles.
@@ -128,16 +137,20 @@ TEST_P(BvhShapesTest, NeverRejectWhatTouches) {
       Exact along{};
       Exact beside{};
       Exact on_ball{};
+      Exact on_corner{};
       for (std::size_t k = 0; k < dims; ++k) {
         const double away = (random() % 2 == 0 ? size : -size) *
                             kCorner[(k + in_box.size()) % dims];
         along[k] = a[k] + t * (b[k] - a[k]);
         beside[k] = along[k] + away;
         on_ball[k] = a[k] + away;
+        on_corner[k] =
+            away + (away < 0 ? std::min(a[k], b[k]) : std::max(a[k], b[k]));
       }
       on_segment.push_back(bound_of(along));
       on_capsule.push_back(bound_of(beside));
       on_sphere.push_back(bound_of(on_ball));
+      on_rounded.push_back(bound_of(on_corner));
       bound = bound_of(a);
     }
     const auto expect_all = [&](const std::vector<Planes>& bounds,
@@ -160,6 +173,7 @@ TEST_P(BvhShapesTest, NeverRejectWhatTouches) {
     expect_all(on_segment, capsule);
     expect_all(on_capsule, capsule);
     expect_all(on_sphere, sphere);
+    expect_all(on_rounded, rounded);
     expect_all(on_point, point);
     expect_all(on_point, fronts);
     if (HasFatalFailure()) return;
@@ -192,7 +206,8 @@ TEST_P(BvhShapesTest, KeepAllThatABadNumberMayTouch) {
   for (Shape shape :
        {Shape{Shape::kSphere, std::vector<float>(dims + 1, 1)},
         Shape{Shape::kSegment, std::vector<float>(2 * dims)},
-        Shape{Shape::kCapsule, std::vector<float>(2 * dims + 1, 1)}}) {
+        Shape{Shape::kCapsule, std::vector<float>(2 * dims + 1, 1)},
+        Shape{Shape::kRoundedBox, std::vector<float>(2 * dims + 1, 1)}}) {
     const bool has_radius = shape.kind != Shape::kSegment;
     for (float& number : shape.numbers) {
       const float was = number;
