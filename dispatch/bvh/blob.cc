@@ -53,7 +53,7 @@ std::array<BvhFormat, 2> FormatsOf(std::uint32_t version) {
 bool IsAsToday(const BvhFormat& format, const BvhRoom& room) {
   const bool is_coded = room.slots > format.most_without_codes;
   return is_coded == (room.slots > kMostWithoutCodes) &&
-         PartsOf(room.slots, format.part_slots) == PartsOf(room.slots) &&
+         GroupsOf(room.slots, format.group_slots) == GroupsOf(room.slots) &&
          (format.has_used_ids || room.ids == 0);
 }
 
@@ -187,19 +187,19 @@ PlaneLayout LayoutOfBlob(Span<const std::byte> blob) {
   return {header.dims, header.axes, header.has_max != 0};
 }
 
-// Parts get costs whose sum is that of the parts of the older format.
+// Groups get costs whose sum is that of the groups of the older format.
 void BvhState::Convert(const BvhFormat& format) {
-  const std::size_t parts = PartsOf(slots());
-  const Scratch scratch(memory_, parts * sizeof(BvhPart));
-  auto* const built = reinterpret_cast<BvhPart*>(scratch.data());
+  const std::size_t groups = GroupsOf(slots());
+  const Scratch scratch(memory_, groups * sizeof(BvhGroup));
+  auto* const built = reinterpret_cast<BvhGroup*>(scratch.data());
   dispatch::InDefaultFpMode([&] {
-    for (std::size_t part = 0; part < parts; ++part) {
-      const std::size_t old = part * kPartSlots / format.part_slots;
-      const BvhPart whole =
-          AsIs(type_, levels_, PartAt(levels_, old, format.part_slots));
-      built[part] = AsIs(type_, levels_, PartAt(levels_, part));
+    for (std::size_t group = 0; group < groups; ++group) {
+      const std::size_t old = group * kGroupSlots / format.group_slots;
+      const BvhGroup whole =
+          AsIs(type_, levels_, GroupAt(levels_, old, format.group_slots));
+      built[group] = AsIs(type_, levels_, GroupAt(levels_, group));
       if (whole.cost > 0) {
-        built[part].cost *=
+        built[group].cost *=
             CostAsBuilt(levels_.built[old], whole.objects) / whole.cost;
       }
     }

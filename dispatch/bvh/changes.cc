@@ -194,7 +194,7 @@ void BvhState::Reallocate(const char* call, const BvhRoom& room) {
     std::memcpy(grown.levels_.ids, levels_.ids,
                 BlocksOf(to.slots) * kBlockObjects * sizeof(std::uint32_t));
     std::memcpy(grown.levels_.built, levels_.built,
-                PartsOf(to.slots) * sizeof(BvhPart));
+                GroupsOf(to.slots) * sizeof(BvhGroup));
     const bool is_coded_now =
         levels_.codes == nullptr && grown.levels_.codes != nullptr;
     if (is_coded_now || grown.levels_.count > old_count) {
@@ -367,7 +367,8 @@ void BvhState::AppendSlot() {
   for (std::size_t l = 0; l < levels_.count; ++l) {
     if (node % kBlockObjects != 0) break;
     ClearSlots(type_, levels_, l, node);
-    if (l == 0 && slot % kPartSlots == 0) levels_.built[slot / kPartSlots] = {};
+    if (l == 0 && slot % kGroupSlots == 0)
+      levels_.built[slot / kGroupSlots] = {};
     node /= kBlockObjects;
   }
 }

@@ -206,7 +206,7 @@ std::size_t Place(const BvhType& type, const BvhRoom& room, std::byte* begin,
   if (room.ids > 0 && format.has_used_ids) {
     levels.used = parts.Take<std::uint64_t>(UsedIds::WordsFor(room.ids));
   }
-  levels.built = parts.Take<BvhPart>(PartsOf(room.slots, format.part_slots));
+  levels.built = parts.Take<BvhGroup>(GroupsOf(room.slots, format.group_slots));
   return parts.bytes();
 }
 
@@ -348,7 +348,7 @@ void FillSlots(const PlaneLayout& layout, const BvhLevels& levels,
     });
   }
   dispatch::RunInDefaultFpMode(
-      run, PartsOf(levels.level[0].size, kTaskSlots), [&](std::size_t part) {
+      run, GroupsOf(levels.level[0].size, kTaskSlots), [&](std::size_t part) {
         FillPart(levels, layout.plane_count, objects, elements, kernels, part);
       });
   dispatch::InDefaultFpMode([&] { EncodeLevels(levels, kernels, 1); });
@@ -371,7 +371,7 @@ Rounded::Rounded(const PlaneLayout& layout, const MemoryResource& memory,
   const auto element_of = [elements](std::size_t s) -> std::size_t {
     return elements == nullptr ? s : elements[s];
   };
-  const std::size_t tasks = PartsOf(count, kTaskSlots);
+  const std::size_t tasks = GroupsOf(count, kTaskSlots);
   dispatch::RunInDefaultFpMode(run, tasks, [&](std::size_t task) {
     const std::size_t end = std::min(count, (task + 1) * kTaskSlots);
     for (std::size_t s = task * kTaskSlots; s < end; ++s) {
@@ -391,9 +391,9 @@ Rounded::Rounded(const PlaneLayout& layout, const MemoryResource& memory,
   });
 }
 
-BvhPart AsIs(const PlaneLayout& layout, const BvhLevels& levels,
-             const SlotRange& range) {
-  BvhPart as_is{};
+BvhGroup AsIs(const PlaneLayout& layout, const BvhLevels& levels,
+              const SlotRange& range) {
+  BvhGroup as_is{};
   for (std::size_t n = range.begin / kBlockObjects; n < BlocksOf(range.end);
        ++n) {
     as_is.objects += PopCount(levels.level[0].present[n]);

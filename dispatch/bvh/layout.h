@@ -27,7 +27,7 @@ using IdSink = dispatch::Sink<WalkIds, std::uint32_t, 512>;
 
 // Partial rebuilds sort at least so many slots, a quarter of a node of level 2.
 // They are few so that the longest frame of many is short.
-inline constexpr std::size_t kPartSlots = 16 * kBlockObjects;
+inline constexpr std::size_t kGroupSlots = 16 * kBlockObjects;
 
 // A thread that encodes leaves takes so many slots at a time, a node of level
 // 2, because the bits of two smaller tasks could share a word.
@@ -102,16 +102,16 @@ inline constexpr std::uint32_t kOldestBvhVersion = 3;
 // The differences between the layouts of formats.
 struct BvhFormat {
   std::size_t most_without_codes = kMostWithoutCodes;
-  std::size_t part_slots = kPartSlots;
+  std::size_t group_slots = kGroupSlots;
   bool has_used_ids = true;
 };
 
 constexpr std::size_t BlocksOf(std::size_t objects) {
   return (objects + kBlockObjects - 1) / kBlockObjects;
 }
-constexpr std::size_t PartsOf(std::size_t slots,
-                              std::size_t part_slots = kPartSlots) {
-  return (slots + part_slots - 1) / part_slots;
+constexpr std::size_t GroupsOf(std::size_t slots,
+                               std::size_t group_slots = kGroupSlots) {
+  return (slots + group_slots - 1) / group_slots;
 }
 
 inline const BvhKernels::OfPlanes& KernelsFor(const BvhType& type,
@@ -240,18 +240,18 @@ void CopyBounds(const BvhLevels& levels, const Columns& objects,
 
 // The current cost of a range of slots that begins at a block. It is the sum of
 // the surface areas of the nodes above them.
-BvhPart AsIs(const PlaneLayout& layout, const BvhLevels& levels,
-             const SlotRange& range);
+BvhGroup AsIs(const PlaneLayout& layout, const BvhLevels& levels,
+              const SlotRange& range);
 
-// Part `part` of the slots in use.
-inline SlotRange PartAt(const BvhLevels& levels, std::size_t part,
-                        std::size_t part_slots = kPartSlots) {
-  return {part * part_slots,
-          std::min(levels.level[0].size, (part + 1) * part_slots)};
+// Group `group` of the slots in use.
+inline SlotRange GroupAt(const BvhLevels& levels, std::size_t group,
+                         std::size_t group_slots = kGroupSlots) {
+  return {group * group_slots,
+          std::min(levels.level[0].size, (group + 1) * group_slots)};
 }
 
 // The cost that `objects` objects would have had when they were sorted.
-inline double CostAsBuilt(const BvhPart& built, std::uint64_t objects) {
+inline double CostAsBuilt(const BvhGroup& built, std::uint64_t objects) {
   if (built.objects == 0 || built.objects == objects) return built.cost;
   return built.cost * static_cast<double>(objects) /
          static_cast<double>(built.objects);

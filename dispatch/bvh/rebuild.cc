@@ -1,4 +1,4 @@
-// The cost ratio of a BVH, and rebuilds of all of it or of its worst parts.
+// The cost ratio of a BVH, and rebuilds of all of it or of its worst groups.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -120,11 +120,11 @@ double Overlap(const PlaneLayout& layout, const BoundValues& a,
   return share > 0 && share <= 1 ? share : 0;
 }
 
-// A part, and the reasons to sort it.
-struct WornPart {
-  double overlap;  // with the part that has grown most
+// A group, and the reasons to sort it.
+struct WornGroup {
+  double overlap;  // with the group that has grown most
   double growth;
-  std::size_t part;
+  std::size_t group;
 };
 
 }  // namespace
@@ -134,9 +134,9 @@ double BvhState::CostRatio() const {
   return dispatch::InDefaultFpMode([&] {
     double built = 0;
     double now = 0;
-    for (std::size_t part = 0; part < PartsOf(header().slots); ++part) {
-      const BvhPart as_is = AsIs(type_, levels_, PartAt(levels_, part));
-      built += CostAsBuilt(levels_.built[part], as_is.objects);
+    for (std::size_t group = 0; group < GroupsOf(header().slots); ++group) {
+      const BvhGroup as_is = AsIs(type_, levels_, GroupAt(levels_, group));
+      built += CostAsBuilt(levels_.built[group], as_is.objects);
       now += as_is.cost;
     }
     return now == built ? 1 : now / built;
@@ -221,15 +221,15 @@ std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges) {
       EncodeSlots(levels_, kernels, end - 1, end);
     }
     for (const SlotRange& range : ranges) {
-      const std::size_t parts = PartsOf(std::min(range.end, slots()));
-      for (std::size_t p = range.begin / kPartSlots; p < parts; ++p) {
-        // Objects before the range, in the same part, keep their decay.
-        const SlotRange part = PartAt(levels_, p);
-        const std::size_t begin = std::max(part.begin, range.begin);
-        const BvhPart rest = AsIs(type_, levels_, {part.begin, begin});
-        const BvhPart sorted = AsIs(type_, levels_, {begin, part.end});
-        levels_.built[p] = {
-            sorted.cost + CostAsBuilt(levels_.built[p], rest.objects),
+      const std::size_t groups = GroupsOf(std::min(range.end, slots()));
+      for (std::size_t g = range.begin / kGroupSlots; g < groups; ++g) {
+        // Objects before the range, in the same group, keep their decay.
+        const SlotRange group = GroupAt(levels_, g);
+        const std::size_t begin = std::max(group.begin, range.begin);
+        const BvhGroup rest = AsIs(type_, levels_, {group.begin, begin});
+        const BvhGroup sorted = AsIs(type_, levels_, {begin, group.end});
+        levels_.built[g] = {
+            sorted.cost + CostAsBuilt(levels_.built[g], rest.objects),
             sorted.objects + rest.objects};
       }
     }
@@ -266,9 +266,9 @@ void BvhState::CloseGaps() {
     EncodeLevels(levels_, kernels, 0);
     if (level.masks != nullptr) OrAllMasks(levels_);
     // The cost ratio stays as it was.
-    for (std::size_t part = 0; part < PartsOf(to); ++part) {
-      levels_.built[part] = AsIs(type_, levels_, PartAt(levels_, part));
-      levels_.built[part].cost /= decay;
+    for (std::size_t group = 0; group < GroupsOf(to); ++group) {
+      levels_.built[group] = AsIs(type_, levels_, GroupAt(levels_, group));
+      levels_.built[group].cost /= decay;
     }
   });
 }
@@ -278,33 +278,33 @@ std::size_t BvhTree::RebuildPartial(std::size_t objects) {
   constexpr const char* kCall = "Bvh::RebuildPartial";
   if (tree.slots() == 0 || objects == 0 || tree.levels_.count == 1) return 0;
   tree.CheckChange(kCall);
-  const std::size_t parts = PartsOf(tree.header().slots);
-  const Scratch memory(tree.memory_, parts * sizeof(WornPart));
-  auto* const worn = reinterpret_cast<WornPart*>(memory.data());
+  const std::size_t groups = GroupsOf(tree.header().slots);
+  const Scratch memory(tree.memory_, groups * sizeof(WornGroup));
+  auto* const worn = reinterpret_cast<WornGroup*>(memory.data());
   std::size_t alike = 0;
   dispatch::InDefaultFpMode([&] {
     const BvhLevels& levels = tree.levels_;
-    const auto bound_of = [&](std::size_t part) {
-      return BoundOf(tree.type_, levels, PartAt(levels, part));
+    const auto bound_of = [&](std::size_t group) {
+      return BoundOf(tree.type_, levels, GroupAt(levels, group));
     };
-    for (std::size_t part = 0; part < parts; ++part) {
-      const BvhPart as_is = AsIs(tree.type_, levels, PartAt(levels, part));
+    for (std::size_t group = 0; group < groups; ++group) {
+      const BvhGroup as_is = AsIs(tree.type_, levels, GroupAt(levels, group));
       const double growth =
-          as_is.cost - CostAsBuilt(levels.built[part], as_is.objects);
+          as_is.cost - CostAsBuilt(levels.built[group], as_is.objects);
       // An altered blob can have a NaN, which cannot be sorted.
-      worn[part] = {0, growth > 0 ? growth : 0, part};
+      worn[group] = {0, growth > 0 ? growth : 0, group};
     }
-    std::iter_swap(worn, std::max_element(worn, worn + parts,
+    std::iter_swap(worn, std::max_element(worn, worn + groups,
                                           [](const auto& a, const auto& b) {
                                             return a.growth < b.growth;
                                           }));
-    const BoundValues bound = bound_of(worn[0].part);
+    const BoundValues bound = bound_of(worn[0].group);
     const BoundValues world = BoundOf(tree.type_, levels, {0, tree.slots()});
     const double size = Overlap(tree.type_, bound, bound, world);
-    for (std::size_t i = 0; i < parts && worn[0].growth > 0; ++i) {
-      const BoundValues other = bound_of(worn[i].part);
+    for (std::size_t i = 0; i < groups && worn[0].growth > 0; ++i) {
+      const BoundValues other = bound_of(worn[i].group);
       worn[i].overlap = Overlap(tree.type_, bound, other, world);
-      // A part of new objects from everywhere overlaps all parts, and would
+      // A group of new objects from everywhere overlaps all groups, and would
       // spread the objects of those that are sorted with it: queries of a world
       // whose objects come and go took three times as long.
       const double others_size = Overlap(tree.type_, other, other, world);
@@ -314,11 +314,11 @@ std::size_t BvhTree::RebuildPartial(std::size_t objects) {
     }
   });
   if (!(worn[0].growth > 0)) return 0;
-  const std::size_t most = std::max<std::size_t>(2, objects / kPartSlots);
-  if (most >= parts) alike = parts;
-  // The parts that overlap are sorted together, so objects that have moved from
-  // one part to another change their part. A part that is sorted alone would
-  // keep its objects, wherever they are.
+  const std::size_t most = std::max<std::size_t>(2, objects / kGroupSlots);
+  if (most >= groups) alike = groups;
+  // The groups that overlap are sorted together, so objects that have moved
+  // from one group to another change their group. A group that is sorted alone
+  // would keep its objects, wherever they are.
   std::sort(worn + 1, worn + alike, [](const auto& a, const auto& b) {
     return std::tie(a.overlap, a.growth) > std::tie(b.overlap, b.growth);
   });
@@ -327,14 +327,14 @@ std::size_t BvhTree::RebuildPartial(std::size_t objects) {
          (worn[bad].overlap > 0 || worn[bad].growth > 0)) {
     ++bad;
   }
-  // The parts are sorted by their number, so that neighbouring slots get
+  // The groups are sorted by their number, so that neighbouring slots get
   // neighbouring objects.
   std::sort(worn, worn + bad,
-            [](const auto& a, const auto& b) { return a.part < b.part; });
+            [](const auto& a, const auto& b) { return a.group < b.group; });
   const Scratch list(tree.memory_, bad * sizeof(SlotRange));
   auto* const ranges = reinterpret_cast<SlotRange*>(list.data());
   for (std::size_t w = 0; w < bad; ++w) {
-    ranges[w] = PartAt(tree.levels_, worn[w].part);
+    ranges[w] = GroupAt(tree.levels_, worn[w].group);
   }
   return tree.Resort(kCall, {ranges, bad});
 }

@@ -165,8 +165,8 @@ void BvhState::BuildIn(const BvhRoom& room, const Columns& objects,
   FillPresent(levels_.level[0], objects.size);
   FillSlots(type_, levels_, objects, levels_.ids, kernels, options.run);
   dispatch::InDefaultFpMode([&] {
-    for (std::size_t part = 0; part < PartsOf(objects.size); ++part) {
-      levels_.built[part] = AsIs(type_, levels_, PartAt(levels_, part));
+    for (std::size_t group = 0; group < GroupsOf(objects.size); ++group) {
+      levels_.built[group] = AsIs(type_, levels_, GroupAt(levels_, group));
     }
   });
 }

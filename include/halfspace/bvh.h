@@ -156,14 +156,14 @@ Span<const typename Bound::Scalar> ValuesOfAll(Span<const Bound> bounds) {
 //
 // Memory: one block, from the heap or from a resource of the caller's
 // (memory.h, which says what copies, moves and swap(a, b) use). Boxes in 3
-// dimensions take 41 bytes per place, 24 of them floats, or 29 with room for up
+// dimensions take 41 bytes per slot, 24 of them floats, or 29 with room for up
 // to 4096. They take 4.13 more per id below the greatest after the first change
-// by id, and 4 more per place with masks. A build needs 16 more bytes per
+// by id, and 4 more per slot with masks. A build needs 16 more bytes per
 // object. Sorting all objects again needs up to 112.
 //
-// Places: an object has a place in the order, and an erased object leaves an
-// empty one. There are never more than 2 * size() + 64 places. Objects move
-// together when half of the places are empty, or, if the block is full, when a
+// Slots: an object has a slot in the order, and an erased object leaves an
+// empty one. There are never more than 2 * size() + 64 slots. Objects move
+// together when half of the slots are empty, or, if the block is full, when a
 // quarter are. Otherwise a full block grows by half. Rebuild() frees the memory
 // that is not needed.
 //
@@ -272,14 +272,14 @@ class Bvh {
   // all ids before it changes anything. `ids` must not be ids(). Encodes each
   // leaf and each node once, so many objects take less time than with one call
   // per object, and a few take as long (docs/bvh.md). Allocates and frees up to
-  // a bit per place. For all objects, use Refit().
+  // a bit per slot. For all objects, use Refit().
   void Set(Span<const std::uint32_t> ids, Span<const Bound> bounds) {
     tree_.Set(ids, detail::ColumnsOf(bounds));
   }
 
   // Adds an object whose mask is all ones, and returns its id: the least that
-  // no object has. The object takes an empty place in a leaf that it makes grow
-  // by a 16th at most, or a new place at the end.
+  // no object has. The object takes an empty slot in a leaf that it makes grow
+  // by a 16th at most, or a new slot at the end.
   //
   // The world sorts itself as it grows: the newest objects after every 256 at
   // the end, and all objects when half as many were inserted as the world had
@@ -293,11 +293,11 @@ class Bvh {
 
   // Adds several objects and writes their ids: ids[i] is that of bounds[i].
   // `ids.size()` must be at least `bounds.size()`. Up to a 16th of the size()
-  // takes empty places as single insertions do, but in leaves as they were
-  // before the call, if they are more than a few. More objects take new places
+  // takes empty slots as single insertions do, but in leaves as they were
+  // before the call, if they are more than a few. More objects take new slots
   // at the end. They are sorted where the same number of single insertions
   // would sort, but all at once. Grows the block at most once, and allocates
-  // and frees up to a bit per place. If there is no memory to sort with, the
+  // and frees up to a bit per slot. If there is no memory to sort with, the
   // objects stay unsorted.
   void Insert(Span<const Bound> bounds, Span<std::uint32_t> ids) {
     tree_.Insert(detail::ColumnsOf(bounds), ids);
@@ -317,7 +317,7 @@ class Bvh {
   }
 
   // Removes an object. Costs what Set() costs, and on average a few ns more:
-  // when more than half of the places are empty, the objects move together, in
+  // when more than half of the slots are empty, the objects move together, in
   // their order. It allocates only if it is the first change by id, or the
   // first change of a blob in place.
   void Erase(std::uint32_t id) { tree_.Erase(id); }
@@ -341,7 +341,7 @@ class Bvh {
   }
   void SetMasks(Span<const std::uint32_t> masks) { tree_.SetMasks(masks); }
 
-  // The ids in this world's order, one per place; 0xFFFFFFFF in an empty place.
+  // The ids in this world's order, one per slot; 0xFFFFFFFF in an empty slot.
   // Valid until the world changes.
   Span<const std::uint32_t> ids() const { return tree_.ids(); }
 
@@ -431,20 +431,20 @@ class Bvh {
     tree_.InsertAs(ids, detail::ColumnsOf(Doubles(bounds)));
   }
 
-  // How much the order has decayed: the surface of all leaves (64 places each),
+  // How much the order has decayed: the surface of all leaves (64 slots each),
   // divided by the surface that as many objects had when they were last sorted.
   // 1 is as sorted. With 2, queries visit up to twice as many leaves. If half
   // of the objects are erased, CostRatio() is about 2. It is 1 for up to 64
-  // places. For more it is infinite until more than 64 objects are sorted: in a
+  // slots. For more it is infinite until more than 64 objects are sorted: in a
   // world of fewer than 256 objects that were inserted. O(n / 64).
   double CostRatio() const { return tree_.CostRatio(); }
 
-  // Sorts all objects, without empty places between them, and gives memory
+  // Sorts all objects, without empty slots between them, and gives memory
   // back: the block has no more room than the objects need, and 4.13 bytes for
   // each id up to the greatest in use. Ids stay.
   void Rebuild(const BuildOptions& options = {}) { tree_.Rebuild(options); }
 
-  // Sorts the group of 1024 places whose surface has grown most, together with
+  // Sorts the group of 1024 slots whose surface has grown most, together with
   // those that overlap it most and then with those that have grown most, about
   // `objects` objects in total and up to two groups at least. Groups that are
   // more than 8 times as large, or as small, are left out, unless there is room
@@ -474,7 +474,7 @@ class Bvh {
   // each tree level, and throw (error.h) if the blob is one of another type or
   // byte order, has a format that is not read, or was cut. An altered body can
   // change results, but no query and no change reads or writes outside the blob
-  // and the world. The first change checks in O(n) that ids and places belong
+  // and the world. The first change checks in O(n) that ids and slots belong
   // together, and throws if they do not. Verify() finds every other alteration.
   static Bvh FromBlob(Span<const std::byte> blob,
                       const MemoryResource& memory = {}) {

@@ -124,8 +124,8 @@ std::size_t PairParts(const Bvh<View>& world) {
 }
 
 // The pairs of objects of one world. Each pair is found once. The order is that
-// of the tree: `a` has an earlier place than `b` in ids(), and the pairs are
-// sorted by the leaf of `a`, then by the leaf of `b`. A leaf is 64 places.
+// of the tree: `a` has an earlier slot than `b` in ids(), and the pairs are
+// sorted by the leaf of `a`, then by the leaf of `b`. A leaf is 64 slots.
 // Inside of two leaves the order is unspecified. So the pairs of two searches
 // with a small change between them are nearly the same list (pair_events.h).
 template <typename View>
@@ -154,7 +154,7 @@ void ForEachPair(const Bvh<View>& a, const Bvh<View>& b, Function&& function,
 
 // The pairs of an object of a set, which is IdPair::a, and any other object:
 // the pairs that can be new after these objects moved. A pair of two objects of
-// the set is found once, and `a` has the earlier place in ids(). A caller that
+// the set is found once, and `a` has the earlier slot in ids(). A caller that
 // accepts such a pair from one side only, as Jolt does, swaps the two if `b` is
 // in its set. An id may be in the list more than once.
 //

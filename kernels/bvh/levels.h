@@ -61,7 +61,7 @@ struct alignas(64) CodeMap {
 
 // Statistics of a range of slots: about how many of its blocks queries visit,
 // and the number of its objects.
-struct BvhPart {
+struct BvhGroup {
   double cost;
   std::uint64_t objects;
 };
@@ -77,7 +77,7 @@ struct BvhLevels {
   // The slot of each id. A free id can have any number. Null until a change.
   std::uint32_t* slots = nullptr;
   std::uint64_t* used = nullptr;  // a UsedIds of all objects, with `slots`
-  BvhPart* built = nullptr;       // 1024 slots each, when they were last sorted
+  BvhGroup* built = nullptr;      // 1024 slots each, when they were last sorted
 };
 
 }  // namespace halfspace::detail

@@ -77,7 +77,7 @@ struct Stored {
 };
 void PrintTo(const Stored& stored, std::ostream* out) { *out << stored.name; }
 constexpr Stored kStored[] = {
-    // Built, without places by id, erased objects and masks.
+    // Built, without slots by id, erased objects and masks.
     {"boxes", Layout(3, 3, true), 4, 100, false, false},
     // With all of these.
     {"octahedra", Layout(3, 4, true), 5, 100, true, true},
@@ -332,7 +332,7 @@ TEST(BvhFormatCodesTest, EveryFormatIsRead) {
   }
 }
 
-// A group of 4096 places had one cost in format 4.
+// A group of 4096 slots had one cost in format 4.
 TEST(BvhFormatCostsTest, CostsOfFormat4AreDivided) {
   for (std::size_t size : {std::size_t{3000}, std::size_t{9000}}) {
     SCOPED_TRACE(size);
