@@ -20,7 +20,7 @@ constexpr double kAllDecayed = 2;
 // bodies come and go in each frame, updates take a sixth of the time that they
 // took when they always sorted a 16th of the bodies. The cost ratio, which all
 // leaves have a part in, is computed after a 64th of the bodies has changed, or
-// in an update without changes.
+// in the first update without changes.
 constexpr std::size_t kSortedOfChange = 2;
 constexpr std::size_t kLeastSorted = 2048;
 
@@ -32,13 +32,16 @@ void Sort(BroadPhaseState& state, const UpdateOptions& options) {
   const std::size_t changed = state.records.Count(Records::kForOrder);
   state.records.Clear(Records::kForOrder);
   state.changes = std::min(state.changes + changed, tree.size());
+  if (changed > 0) state.is_sorted_enough = false;
   const std::size_t due = kSortedOfChange * state.changes;
   if (options.budget == 0 || tree.size() == 0) return;
   const std::size_t least_due = std::min(tree.size() / 32, kLeastSorted);
   if (is_automatic && changed > 0 && due < least_due) return;
+  if (is_automatic && state.is_sorted_enough) return;
   const double ratio = tree.CostRatio();
   if (!(ratio > kDecayed)) {
     state.changes = 0;
+    state.is_sorted_enough = true;
     return;
   }
   const bool is_all_decayed = ratio > kAllDecayed;
@@ -46,7 +49,8 @@ void Sort(BroadPhaseState& state, const UpdateOptions& options) {
   if (is_automatic) {
     budget = tree.size() / 16;
     if (!is_all_decayed) {
-      if (due < std::min(tree.size(), kLeastSorted)) return;
+      state.is_sorted_enough = due < std::min(tree.size(), kLeastSorted);
+      if (state.is_sorted_enough) return;
       budget = std::min(budget, due);
     }
   } else if (is_all_decayed && budget >= tree.size()) {
@@ -120,6 +124,9 @@ std::size_t InsertBodies(BroadPhaseState& state, Span<const std::uint32_t> ids,
                          Span<const BodyMasks> masks) {
   const Changing changing("BroadPhase::Insert", state);
   if (ids.empty()) return 0;
+  // Empty slots are found by the bounds of leaves, which must not depend on
+  // whether a query has copied the bodies that moved.
+  if (!state.options.moves_wait_for_update) state.Flush();
   const std::size_t planes = state.planes();
   state.records.Reserve(ids);
   ReserveMasks(state, ids, masks);

@@ -84,6 +84,9 @@ class BroadPhaseState {
   PairEventsCore events;
   // Changes for which Update() has not sorted yet, without those of kForOrder.
   std::size_t changes = 0;
+  // Whether an Update() with an automatic budget would compute the cost ratio
+  // again and sort nothing, because no body has changed since the last one.
+  bool is_sorted_enough = false;
   // A bit for each slot and each node of the tree: room for Flush().
   BlockVector<std::uint64_t> changed_slots;
   // By id. Empty until a body gets a mask that is not all ones.

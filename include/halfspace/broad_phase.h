@@ -129,8 +129,8 @@ struct UpdateOptions {
   // is above 2. Otherwise it is at most two for each body that changed since
   // the last update that sorted, and none is sorted before that is 2048 or
   // size(). It reads the ratio when a 64th of the bodies or 1024 have changed,
-  // or if no body has changed since the last update. If the ratio is above 2,
-  // and the budget is not less than size(), all are sorted as by Rebuild().
+  // or in the first update in which no body has changed. If the ratio is above
+  // 2, and the budget is not less than size(), all are sorted as by Rebuild().
   std::size_t budget = kAutomatic;
   // Used when all are sorted (runner.h).
   Runner run = {};

@@ -101,7 +101,7 @@ def casts(
     starts: Table, name: str, ways: Any, max_t: Any, dims: int
 ) -> Tuple[Arrays, Arrays, bool]:
     """The arrays of starts, those of directions and limits, and whether it is one
-    cast."""
+    cast. The record of a ray has all. Boxes are rounded outward later."""
     motions = directions(ways, "directions", dims)
     single = starts.single and motions.single
     count = motions.length if starts.single else starts.length
@@ -112,7 +112,11 @@ def casts(
             f"{motions.length} and {starts.length}"
         )
     limits = per_row(max_t, "max_t", count)
-    return starts.arrays, motions.arrays + limits.arrays, single
+    ways = floats(motions.arrays + limits.arrays)
+    if starts.columns == dims:
+        return floats(starts.arrays + ways), ways, single
+    is_box = starts.columns == 2 * dims
+    return starts.arrays if is_box else floats(starts.arrays), ways, single
 
 
 def floats(arrays: Arrays) -> Arrays:

@@ -448,11 +448,6 @@ class BroadPhase:
         arrays, motions, single = _arrays.casts(
             starts, name, directions, max_t, self.dims
         )
-        motions = _arrays.floats(motions)
-        if starts.columns == self.dims:  # rays: one record has all
-            arrays = _arrays.floats(arrays + motions)
-        elif starts.columns != 2 * self.dims:  # boxes are rounded outward later
-            arrays = _arrays.floats(arrays)
         ids, t = self._bodies.cast(
             arrays, motions, _arrays.mask(mask), _arrays.threads(threads), progress
         )

@@ -19,7 +19,7 @@ class BVH:
     """A bounding volume hierarchy of axis-aligned boxes in 2 or 3 dimensions.
 
     The id of a box is its row in `boxes`. Boxes that touch overlap. The tree is
-    built at once, and changes only by `insert`, `erase` and `refit`.
+    built at once, and changes only by `insert`, `insert_as`, `erase` and `refit`.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ class BVH:
     Every call releases the interpreter's lock, so threads can query one tree at
     the same time. A change while another thread uses the tree raises
     RuntimeError. Ctrl-C ends a long build, refit, query or join. It does not end
-    `insert`, `erase`, `save` or the check of a blob.
+    `insert`, `insert_as`, `erase`, `save` or the check of a blob.
     """
 
     __slots__ = ("_tree", "__weakref__")
@@ -449,12 +449,63 @@ class BVH:
         >>> ids
         array([0, 1])
         """
-        points = _arrays.points(origins, "origins", self.dims)
-        starts, motions, single = _arrays.casts(
-            points, "origins", directions, max_t, self.dims
+        starts = _arrays.points(origins, "origins", self.dims)
+        return self._cast(starts, "origins", directions, max_t, threads, progress)
+
+    def boxcast(
+        self,
+        boxes: Any,
+        directions: Any,
+        max_t: Any = float("inf"),
+        *,
+        threads: Optional[int] = 1,
+        progress: Optional[Progress] = None,
+    ) -> Tuple[Any, Any]:
+        """Finds the first box of the tree that each box touches on its way.
+
+        A box moves by t times its direction. float64 boxes are enclosed. The
+        rest is as in `raycast`.
+
+        >>> import halfspace as hs
+        >>> tree = hs.BVH([[5, 1, 6, 2], [8, 0, 9, 1]])
+        >>> tree.boxcast([0, 0, 1, 1.5], [1, 0])
+        (0, 4.0)
+        """
+        starts = self._boxes(boxes)
+        return self._cast(starts, "boxes", directions, max_t, threads, progress)
+
+    def spherecast(
+        self,
+        centers: Any,
+        radii: Any,
+        directions: Any,
+        max_t: Any = float("inf"),
+        *,
+        threads: Optional[int] = 1,
+        progress: Optional[Progress] = None,
+    ) -> Tuple[Any, Any]:
+        """Finds the first box that each sphere touches on its way.
+
+        `centers` has the shape (m, d) or (d,), and `radii` is one number, or
+        one for each center. float64 spheres are enclosed. The rest is as in
+        `boxcast`.
+        """
+        starts = _arrays.spheres(centers, radii, self.dims)
+        return self._cast(starts, "centers", directions, max_t, threads, progress)
+
+    def _cast(
+        self,
+        starts: _arrays.Table,
+        name: str,
+        directions: Any,
+        max_t: Any,
+        threads: Optional[int],
+        progress: Optional[Progress],
+    ) -> Tuple[Any, Any]:
+        arrays, motions, single = _arrays.casts(
+            starts, name, directions, max_t, self.dims
         )
-        rays = _arrays.floats(starts + motions)
-        ids, t = self._tree.raycast(rays, _arrays.threads(threads), progress)
+        ids, t = self._tree.cast(arrays, motions, _arrays.threads(threads), progress)
         return (int(ids[0, 0]), float(t[0, 0])) if single else (ids[:, 0], t[:, 0])
 
     def pairs(
@@ -477,6 +528,21 @@ class BVH:
         table = _arrays.boxes(boxes, "boxes", self.dims, _arrays.MOST_OBJECTS)
         ids = self._tree.insert(table.arrays)
         return int(ids[0]) if table.single else ids.astype(np.int64)
+
+    def insert_as(self, ids: Any, boxes: Any) -> None:
+        """Adds objects under ids that you choose. Box i is that of object `ids[i]`.
+
+        Raises ValueError, and changes nothing, if an object has such an id, or if
+        an id is in `ids` twice. Memory grows with the greatest id, by about 4
+        bytes for each.
+
+        >>> import halfspace as hs
+        >>> tree = hs.BVH([[0, 0, 1, 1]])
+        >>> tree.insert_as([7], [[2, 2, 3, 3]])
+        >>> tree.query([2, 2, 3, 3])
+        array([7])
+        """
+        self._tree.insert_as(*self._rows(ids, boxes))
 
     def erase(self, ids: Any) -> None:
         """Removes objects. The ids of the other objects stay.
@@ -504,16 +570,10 @@ class BVH:
         If an exception of `progress` or Ctrl-C ends the call, call `refit`
         again before the next query.
         """
-        table = self._boxes(boxes)
         if ids is not None:
-            wanted = _arrays.ids(ids, "ids")
-            if len(wanted) != table.length:
-                raise ValueError(
-                    f"ids: expected one id for each of {table.length} boxes, got "
-                    f"{len(wanted)}"
-                )
-            self._tree.refit_some(table.arrays, wanted)
+            self._tree.refit_some(*self._rows(ids, boxes))
             return
+        table = self._boxes(boxes)
         if table.length != self._tree.id_limit():
             raise ValueError(
                 f"boxes: expected {self._tree.id_limit()} boxes, one for each id of "
@@ -562,6 +622,14 @@ class BVH:
 
     def _boxes(self, value: Any) -> _arrays.Table:
         return _arrays.boxes(value, "boxes", self.dims)
+
+    def _rows(self, ids: Any, boxes: Any) -> Tuple[_arrays.Arrays, np.ndarray]:
+        table, wanted = self._boxes(boxes), _arrays.ids(ids, "ids")
+        if len(wanted) != table.length:
+            raise ValueError(
+                f"ids: expected one id for each of {table.length} boxes, got {len(wanted)}"
+            )
+        return table.arrays, wanted
 
 
 def join(

@@ -190,28 +190,14 @@ py::tuple Nearest(const Bodies& bodies, const py::tuple& arrays, std::size_t k,
                      queries, k, max_distance, OptionsOf(mask), work);
 }
 
-// The first body of each ray, or of each sphere or box that moves. `motions`
-// are the directions and the limits. Rays have them too.
 py::tuple Cast(const Bodies& bodies, const py::tuple& starts,
                const py::tuple& motions, std::uint32_t mask,
                std::size_t threads, py::object progress) {
-  const Columns from(starts);
-  const Columns ways(motions);
-  if (from.count != ways.count) ThrowNotPrepared();
-  const hs_query_options options = OptionsOf(mask);
-  const auto cast = from.size == 2 * bodies.dims ? &hs_broad_phase_boxcast
-                                                 : &hs_broad_phase_spherecast;
   Work work(threads, std::move(progress));
-  return FindIdsAndFloats(
-      from, 1, kPartQueries, work,
-      [&](const hs_columns& some, std::size_t first, std::uint32_t* ids,
-          float* ts) {
-        const hs_columns its_ways = ways.Rows(first, kPartQueries);
-        Check(from.size == 2 * bodies.dims + 1
-                  ? hs_broad_phase_raycast(bodies.get(), &some, 0, &options,
-                                           ids, ts)
-                  : cast(bodies.get(), &some, &its_ways, &options, ids, ts));
-      });
+  return FindFirst<&hs_broad_phase_raycast, &hs_broad_phase_boxcast,
+                   &hs_broad_phase_spherecast>(
+      bodies.get(), bodies.dims, Columns(starts), Columns(motions),
+      OptionsOf(mask), work);
 }
 
 // An array of shape (n, 2).

@@ -253,6 +253,25 @@ pybind11::tuple FindNearest(
                           });
 }
 
+// The first object of each ray, or of each sphere or box that moves, by the
+// functions of C. `ways` are the directions and the limits. Rays have them too.
+template <auto kRaycast, auto kBoxcast, auto kSpherecast, typename Object>
+pybind11::tuple FindFirst(const Object* object, std::size_t dims,
+                          const Columns& from, const Columns& ways,
+                          const hs_query_options& options, Work& work) {
+  if (from.count != ways.count) ThrowNotPrepared();
+  const auto cast = from.size == 2 * dims ? kBoxcast : kSpherecast;
+  return FindIdsAndFloats(
+      from, 1, kPartQueries, work,
+      [&](const hs_columns& some, std::size_t first, std::uint32_t* ids,
+          float* ts) {
+        const hs_columns its_ways = ways.Rows(first, kPartQueries);
+        Check(from.size == 2 * dims + 1
+                  ? kRaycast(object, &some, 0, &options, ids, ts)
+                  : cast(object, &some, &its_ways, &options, ids, ts));
+      });
+}
+
 }  // namespace halfspace::python
 
 #endif  // HALFSPACE_PYTHON_RESULTS_H_

@@ -324,16 +324,13 @@ py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
                      work);
 }
 
-py::tuple CastRays(Tree& tree, const py::tuple& arrays, std::size_t threads,
-                   py::object progress) {
-  const Columns rays(arrays);
+py::tuple Cast(Tree& tree, const py::tuple& starts, const py::tuple& motions,
+               std::size_t threads, py::object progress) {
   Work work(threads, std::move(progress));
   const Reading reading(tree);
-  return FindIdsAndFloats(
-      rays, 1, kPartQueries, work,
-      [&](const hs_columns& some, std::size_t, std::uint32_t* ids, float* ts) {
-        Check(hs_bvh_raycast(tree.bvh.get(), &some, 0, nullptr, ids, ts));
-      });
+  return FindFirst<&hs_bvh_raycast, &hs_bvh_boxcast, &hs_bvh_spherecast>(
+      tree.bvh.get(), tree.dims, Columns(starts), Columns(motions),
+      DefaultOf(&hs_query_options_default), work);
 }
 
 // The pairs of a tree and of `b`, or of itself if this is null, in an array of
@@ -398,10 +395,12 @@ void Refit(Tree& tree, const py::tuple& arrays, std::size_t threads,
   Change(tree, refit, /*is_refit=*/true);
 }
 
-void RefitSome(Tree& tree, const py::tuple& arrays, const ShortIds& ids) {
+// hs_bvh_set() or hs_bvh_insert_as().
+template <auto kFunction>
+void SetSome(Tree& tree, const py::tuple& arrays, const ShortIds& ids) {
   const Columns boxes(arrays);
   if (Size(boxes.count) != ids.size()) ThrowNotPrepared();
-  Change(tree, [&] { Check(hs_bvh_set(tree.bvh.get(), ids.data(), &boxes)); });
+  Change(tree, [&] { Check(kFunction(tree.bvh.get(), ids.data(), &boxes)); });
 }
 
 py::array_t<float> BoundsOf(Tree& tree) {
@@ -438,12 +437,13 @@ void DefineTree(py::module_& module) {
       .def("any", &AskAll<&hs_bvh_any>)
       .def("any_one", &AskOne<&hs_bvh_any, std::uint32_t>)
       .def("nearest", &Nearest)
-      .def("raycast", &CastRays)
+      .def("cast", &Cast)
       .def("pairs", &PairsOf)
       .def("insert", &Insert)
+      .def("insert_as", &SetSome<&hs_bvh_insert_as>)
       .def("erase", &Erase)
       .def("refit", &Refit)
-      .def("refit_some", &RefitSome)
+      .def("refit_some", &SetSome<&hs_bvh_set>)
       .def("bounds", &BoundsOf)
       .def("boxes", &Boxes)
       .def("size", &Ask<&hs_bvh_size>)

@@ -196,13 +196,21 @@ def test_casts_of_boxes(rng, dims):
         assert (t[found] <= least[found]).all()
         assert np.allclose(t[found], least[found], rtol=1e-5, atol=1e-4)
         assert np.allclose(hit[found, ids[found]], t[found], rtol=1e-5, atol=1e-4)
+    tree = hs.BVH(boxes)
+    for cast in (bodies.boxcast, tree.boxcast):
+        ids, t = cast(moving, ways)
+        assert (t <= exact.min(axis=1)).all()
+        assert (ids == bodies.boxcast(moving, ways)[0]).all()
     one, each = bodies.boxcast(moving[3], ways), bodies.boxcast(moving[[3] * 100], ways)
     assert (one[0] == each[0]).all() and (one[1] == each[1]).all()
 
 
-def test_casts_of_spheres(rng, dims):
-    bodies = hs.BroadPhase(dims)
-    bodies.insert([0, 1], [[4] * dims + [5] * dims, [8] * dims + [9] * dims])
+@pytest.mark.parametrize("is_tree", [False, True])
+def test_casts_of_spheres(dims, is_tree):
+    boxes = [[4] * dims + [5] * dims, [8] * dims + [9] * dims]
+    bodies = hs.BVH(boxes) if is_tree else hs.BroadPhase(dims)
+    if not is_tree:
+        bodies.insert([0, 1], boxes)
     up = [1] + [0] * (dims - 1)
     middle = [0] + [4.5] * (dims - 1)
     assert bodies.spherecast(middle, 0.5, up) == (0, pytest.approx(3.5, abs=1e-4))

@@ -211,6 +211,27 @@ def test_one_ray():
     assert tree.raycast([0, 0.5], [1, 0], 1e300)[0] == 0
 
 
+def test_insert_as(boxes, queries):
+    tree = hs.BVH(boxes[:50])
+    ids = np.arange(1000, 1000 + 3 * len(boxes), 3)[50:]
+    tree.insert_as(ids, boxes[50:])
+    order = np.concatenate([np.arange(50), ids])
+    found = tree.query(queries)
+    expected = overlaps(queries, boxes)
+    places = np.searchsorted(order, found[1])
+    assert (as_matrix(np.stack([found[0], places]), expected.shape) == expected).all()
+    tree.insert_as(7000, boxes[0])
+    for wrong, text in (
+        ([7001, 7001], "ids: expected ids that no object has"),
+        ([7001, 7000], r"ids\[1\]: expected ids that no object has"),
+        ([7001], "ids: expected one id for each of 2 boxes, got 1"),
+        ([-1, 2], r"ids\[0\]: expected the id of an object, got -1"),
+    ):
+        with pytest.raises(ValueError, match=text):
+            tree.insert_as(wrong, boxes[:2])
+    assert len(tree) == len(boxes) + 1
+
+
 def test_pairs_and_join(boxes, queries):
     tree = hs.BVH(boxes)
     expected = np.triu(overlaps(boxes, boxes), 1)
