@@ -1,7 +1,5 @@
 # Registers GoogleTest executables with ctest, for whatever machine runs them.
 
-include(GoogleTest)
-
 # The emulated machines: one run per target and vector length in bits. Native
 # machines have one vector length per target, and a test runs all targets.
 if(EMSCRIPTEN)
@@ -37,7 +35,7 @@ endif()
 list(APPEND HALFSPACE_SWEEP ${fall_back})
 list(APPEND HALFSPACE_SWEEP_EACH ${fall_back})
 
-# Registers the tests of `target`: each on its own, or, under an emulator, the
+# Registers the tests of `target`: each with all of its rows, or, under an emulator, the
 # whole executable as TARGET.HIGHWAY_TARGET.BITS for emulated machines: all of
 # them, or, with EACH (target once), FEW or ONE as the second argument, a choice,
 # for tests of what differs less between machines than it takes time. NONE, which
@@ -51,8 +49,13 @@ function(halfspace_sweep_test target)
     return()
   endif()
   if(NOT CMAKE_CROSSCOMPILING_EMULATOR)
-    gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST
-                         PROPERTIES LABELS library)
+    set(script "${CMAKE_CURRENT_BINARY_DIR}/${target}_tests.cmake")
+    file(GENERATE OUTPUT "${script}" CONTENT
+"set(target ${target})
+set(program \"$<TARGET_FILE:${target}>\")
+include(\"${PROJECT_SOURCE_DIR}/cmake/HalfspaceListTests.cmake\")
+")
+    set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${script}")
     return()
   endif()
   set(sweep HALFSPACE_SWEEP)

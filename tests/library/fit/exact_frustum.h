@@ -16,33 +16,45 @@
 
 namespace halfspace::testing {
 
-// A box farther out than any corner closes what is open, so that an open set
-// has a corner on it.
 class ExactFrustum {
  public:
   template <typename Scalar, std::size_t kCount>
   explicit ExactFrustum(
       const std::array<HalfSpace<3, Scalar>, kCount>& planes) {
     for (const auto& p : planes) {
-      planes_.push_back({Whole(p.normal[0]), Whole(p.normal[1]),
-                         Whole(p.normal[2]), Whole(p.offset)});
-    }
-    for (std::size_t k = 0; k < 3; ++k) {
-      for (int side : {-1, 1}) {
-        Four plane{0, 0, 0, FarAway()};
-        plane[k] = side;
-        planes_.push_back(plane);
-      }
+      planes_.push_back(
+          Whole({p.normal[0], p.normal[1], p.normal[2], p.offset}));
     }
     for (std::size_t i = 0; i < planes_.size(); ++i) {
-      for (std::size_t j = i + 1; j < planes_.size(); ++j) {
-        for (std::size_t k = j + 1; k < planes_.size(); ++k) Meet(i, j, k);
+      for (std::size_t j = 0; j < i; ++j) {
+        for (std::size_t k = 0; k < j; ++k) Meet(i, j, k);
       }
     }
   }
 
   bool IsEmpty() const { return corners_.empty(); }
-  bool IsOpen() const { return is_open_; }
+
+  // Whether some direction never leaves the planes' front sides. If all normals
+  // lie in a plane one does. Otherwise, if any does, one that two planes share.
+  bool IsOpen() const {
+    bool is_flat = true;
+    for (const Four& a : planes_) {
+      for (const Four& b : planes_) {
+        const Four direction = {a[1] * b[2] - a[2] * b[1],
+                                a[2] * b[0] - a[0] * b[2],
+                                a[0] * b[1] - a[1] * b[0], 0};
+        if (direction == Four{}) continue;
+        bool falls = false;
+        for (const Four& plane : planes_) {
+          const int slope = sgn(Height(plane, direction));
+          falls |= slope < 0;
+          is_flat &= slope == 0;
+        }
+        if (!falls) return true;
+      }
+    }
+    return is_flat;
+  }
 
   ExactHull Hull() const {
     ExactHull hull(3);
@@ -63,14 +75,23 @@ class ExactFrustum {
  private:
   using Four = std::array<mpz_class, 4>;  // a normal and an offset
 
-  static mpz_class FarAway() { return mpz_class(1) << 1000; }
-
-  // A number as a multiple of the smallest one of its type.
-  static mpz_class Whole(float value) {
-    return mpz_class(Exact(value) * (mpz_class(1) << 149));
+  // As multiples of the smallest float, or, if that is not enough, of the
+  // smallest double.
+  static Four Whole(const std::array<double, 4>& numbers) {
+    const bool is_float = std::all_of(
+        numbers.begin(), numbers.end(),
+        [](double number) { return number == static_cast<float>(number); });
+    Four whole;
+    for (std::size_t n = 0; n < 4; ++n) {
+      whole[n] = Exact(numbers[n]) * (mpz_class(1) << (is_float ? 149 : 1074));
+    }
+    return whole;
   }
-  static mpz_class Whole(double value) {
-    return mpz_class(Exact(value) * (mpz_class(1) << 1074));
+
+  static mpz_class Height(const Four& plane, const Four& point) {
+    mpz_class height = 0;
+    for (std::size_t n = 0; n < 4; ++n) height += plane[n] * point[n];
+    return height;
   }
 
   static mpz_class Determinant(const Four& a, const Four& b, const Four& c,
@@ -94,11 +115,8 @@ class ExactFrustum {
       for (mpz_class& x : point) x = -x;
     }
     for (const Four& plane : planes_) {
-      mpz_class height = 0;
-      for (std::size_t n = 0; n < 4; ++n) height += plane[n] * point[n];
-      if (height < 0) return;
+      if (Height(plane, point) < 0) return;
     }
-    is_open_ |= std::max({i, j, k}) >= planes_.size() - 6;
     ExactPoint corner;
     for (std::size_t n = 0; n < 3; ++n) {
       corner.emplace_back(point[n], point[3]).canonicalize();
@@ -106,9 +124,8 @@ class ExactFrustum {
     corners_.push_back(corner);
   }
 
-  std::vector<Four> planes_;  // the last six: the box
+  std::vector<Four> planes_;
   std::vector<ExactPoint> corners_;
-  bool is_open_ = false;
 };
 
 }  // namespace halfspace::testing

@@ -87,6 +87,9 @@ class ExactHull {
     Add(dims, {d, -radius, root}, {d, radius, root});
   }
 
+  // Of points.
+  mpq_class LowestD() const { return planes_.values[planes_.dims]->rational; }
+
   ::testing::AssertionResult IsEnclosedBy(const float* bound,
                                           Looseness loose) const {
     return planes_.AreTightIn(bound, loose);

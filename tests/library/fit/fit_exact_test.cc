@@ -1,13 +1,14 @@
-// Every builder against the exact extremes of its shape.
+// Every builder, and every change of a bound, against exact arithmetic.
 #include <gtest/gtest.h>
 
-#include <array>
+#include <cmath>
 #include <cstddef>
-#include <string>
+#include <limits>
 #include <vector>
 
 #include "halfspace/fit.h"
 #include "tests/library/fit/builders.h"
+#include "tests/library/fit/exact_answers.h"
 #include "tests/library/fit/exact_shapes.h"
 #include "tests/library/fit/random_shapes.h"
 
@@ -20,33 +21,73 @@ TEST_P(FitExactTest, EnclosesAndIsAsTightAsPromised) {
   const Builder& builder = GetParam();
   const bool is_round =
       builder.kind == Kind::kSphere || builder.kind == Kind::kCapsule;
-  const std::size_t bound_values = 2 * (builder.dims + 1);
   ForEachSample(
       20, is_round ? 1000 : 200, builder.results(),
       [&](PointKind kind, Random& random) {
-        const Shape shape = RandomShape(builder, kind, random);
-        const Planes bounds = builder.Build(shape);
-        const Looseness loose =
-            is_round ? RoundD(builder.Number(shape, builder.roles.size() - 1))
-            : builder.kind == Kind::kPieces ? kWithinOneUlp
-                                            : kTightest;
-        for (std::size_t i = 0; i < builder.results(); ++i) {
-          ASSERT_TRUE(HullOf(builder, shape, i)
-                          .IsEnclosedBy(&bounds[i * bound_values], loose))
-              << "result " << i;
-        }
+        ASSERT_TRUE(IsExact(builder, RandomShape(builder, kind, random)));
       });
 }
 
-std::vector<Builder> AllButFrusta() {
-  std::vector<Builder> builders = Builders();
-  std::erase_if(builders, [](const Builder& builder) {
-    return builder.kind == Kind::kFrustum;
-  });
+bool MovesVertices(const Builder& builder) {
+  return builder.kind == Kind::kChange &&
+         builder.change == Change::kTranslateVertices;
+}
+
+std::vector<Builder> AllButVertices() {
+  std::vector<Builder> builders = BuildersAndChanges();
+  std::erase_if(builders, MovesVertices);
   return builders;
 }
-INSTANTIATE_TEST_SUITE_P(, FitExactTest, ::testing::ValuesIn(AllButFrusta()),
+INSTANTIATE_TEST_SUITE_P(, FitExactTest, ::testing::ValuesIn(AllButVertices()),
                          BuilderNames());
+
+class TranslateVerticesTest : public ::testing::TestWithParam<Builder> {};
+
+// Against vertices that are really moved, and rounded.
+TEST_P(TranslateVerticesTest, EnclosesMovedVertices) {
+  const Builder& builder = GetParam();
+  const Builder& points = BuilderOf(Kind::kTriangle, builder.dims);
+  const std::size_t first = builder.first_argument();
+  std::size_t exact_moves_that_cut = 0;
+  ForEachSample(60, 300, 1, [&](PointKind kind, Random& random) {
+    const Shape vertices = RandomShape(points, kind, random);
+    Shape shape = RandomShape(builder, kind, random);
+    for (std::size_t k = 0; k < builder.dims; ++k) {
+      if (kind == PointKind::kCancelling) {
+        shape.Set(first + k, shape.floats[first + k] + vertices.floats[k]);
+      }
+    }
+    SetPlanesOfVertices(builder, vertices, shape);
+    bool cuts = false;
+    ASSERT_TRUE(EnclosesMovedVertices(builder, vertices, shape,
+                                      Try(builder, shape), &cuts));
+    exact_moves_that_cut += cuts ? 1 : 0;
+  });
+  // Otherwise the other call would do.
+  EXPECT_TRUE(builder.part == Part::kAabb || exact_moves_that_cut > 0);
+}
+
+TEST_P(TranslateVerticesTest, PlanesWithoutABoundStaySo) {
+  const Builder& builder = GetParam();
+  ForEachSample(61, 100, 1, [&](PointKind kind, Random& random) {
+    const Shape shape = RandomShape(builder, kind, random);
+    const Planes moved = builder.Build(shape);
+    for (std::size_t p = 0; p < builder.first_argument(); ++p) {
+      const float plane = shape.floats[p];
+      if (std::fabs(plane) == std::numeric_limits<float>::max()) {
+        ASSERT_EQ(moved[p], plane);
+      }
+    }
+  });
+}
+
+std::vector<Builder> VertexChanges() {
+  std::vector<Builder> changes = Changes();
+  std::erase_if(changes, [](const Builder& b) { return !MovesVertices(b); });
+  return changes;
+}
+INSTANTIATE_TEST_SUITE_P(, TranslateVerticesTest,
+                         ::testing::ValuesIn(VertexChanges()), BuilderNames());
 
 // Neighbours both have the point where they meet, and nothing is left out.
 TEST(FitPiecesExactTest, ManyPieces) {

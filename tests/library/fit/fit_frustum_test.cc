@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "halfspace/fit.h"
+#include "tests/library/fit/exact_answers.h"
 #include "tests/library/fit/exact_frustum.h"
 #include "tests/library/fit/random_shapes.h"
 
@@ -98,45 +99,23 @@ WidePlanes Widened(const SixPlanes& planes, Random& random) {
   return wide;
 }
 
-// What BoundFrustum says it does not bound.
-bool AreTooFarApart(const WidePlanes& planes) {
-  return std::any_of(planes.begin(), planes.end(), [](const auto& plane) {
-    const auto& n = plane.normal;
-    const double largest =
-        std::max({std::fabs(n[0]), std::fabs(n[1]), std::fabs(n[2])});
-    const auto is_apart = [&](double value) {
-      const double ratio = std::fabs(value) / largest;
-      return value != 0.0 && (ratio < 0x1p-199 || ratio > 0x1p199);
-    };
-    return largest != 0.0 && (is_apart(n[0]) || is_apart(n[1]) ||
-                              is_apart(n[2]) || is_apart(plane.offset));
-  });
-}
-
-// Of a bound, if there is one; of Everything() and Empty(), that they are due.
 template <typename AnyPlanes>
-void ExpectExactOf(const AnyPlanes& planes) {
-  const ExactFrustum exact(planes);
-  const Aabo3 bound = BoundFrustum(planes);
-  if constexpr (std::is_same_v<AnyPlanes, WidePlanes>) {
-    if (bound == Aabo3::Everything() && AreTooFarApart(planes)) return;
+::testing::AssertionResult IsExactOf(const AnyPlanes& planes) {
+  const Builder& builder =
+      BuilderOf(Kind::kFrustum, 3, std::is_same_v<AnyPlanes, WidePlanes>);
+  Shape shape;
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k)
+      shape.Set(4 * i + k, planes[i].normal[k]);
+    shape.Set(4 * i + 3, planes[i].offset);
   }
-  if (exact.IsOpen()) {
-    ASSERT_EQ(bound, Aabo3::Everything());
-  } else if (exact.IsEmpty()) {
-    // If the planes would not close a volume anyway, that is the answer.
-    ASSERT_TRUE(bound == Aabo3::Empty() || bound == Aabo3::Everything());
-  } else if (exact.Magnitude() > Exact(0x1p125)) {
-    ASSERT_EQ(bound, Aabo3::Everything());
-  } else {
-    ASSERT_TRUE(exact.Hull().IsEnclosedBy(bound.min.data(), kWithinOneUlp));
-  }
+  return IsExact(builder, shape);
 }
 
 void ExpectExact(SixPlanes planes, Random& random) {
   Disguise(planes, random);
-  ExpectExactOf(planes);
-  ExpectExactOf(Widened(planes, random));
+  ASSERT_TRUE(IsExactOf(planes));
+  ASSERT_TRUE(IsExactOf(Widened(planes, random)));
   // The same numbers, as doubles.
   WidePlanes same;
   for (std::size_t i = 0; i < planes.size(); ++i) {
@@ -144,8 +123,11 @@ void ExpectExact(SixPlanes planes, Random& random) {
               same[i].normal.begin());
     same[i].offset = planes[i].offset;
   }
-  if (!AreTooFarApart(same)) {
-    ASSERT_EQ(BoundFrustum(same), BoundFrustum(planes));
+  ASSERT_TRUE(IsExactOf(same));
+  // Doubles too far apart have no bound.
+  const Aabo3 bound = BoundFrustum(same);
+  if (bound != Aabo3::Everything()) {
+    ASSERT_EQ(bound, BoundFrustum(planes));
   }
 }
 

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "halfspace/world.h"
-#include "tests/library/fit/exact_shapes.h"
 #include "tests/library/fit/random_shapes.h"
+#include "tests/library/fit_many/bound_of_one.h"
 #include "tests/library/fit_many/bulk.h"
 #include "tests/library/support/environment.h"
 
@@ -84,46 +84,6 @@ class FitManyTest : public ::testing::TestWithParam<Bulk> {
     return singles;
   }
 
-  // What D may give way.
-  static double SlackOf(const std::vector<double>& sphere, bool is_tightest) {
-    double sum = sphere.back();
-    if (is_tightest) return sum * 0x1p-100;
-    for (double x : sphere) sum += std::fabs(x);
-    return sum * 0x1p-49;
-  }
-
-  // A bound is that of the single builder; but D is within an ulp of it, if the
-  // tightest is not asked for, and spheres of floats round D in another way.
-  static void ExpectBound(const Planes& bound, const Planes& single,
-                          const std::vector<double>& numbers,
-                          bool is_tightest) {
-    const Bulk& bulk = GetParam();
-    if (bulk.is_double || (is_tightest && bulk.kind != Kind::kSphere) ||
-        single == bulk.single().Everything()) {
-      ASSERT_EQ(bound, single);
-      return;
-    }
-    const std::size_t d = bulk.dims;
-    for (std::size_t p = 0; p < bulk.planes(); ++p) {
-      const bool is_min = p <= d;
-      if (p % (d + 1) != d) {
-        ASSERT_EQ(bound[p], single[p]) << p;
-      } else if (bulk.kind != Kind::kSphere) {
-        const float looser = std::nextafter(
-            single[p], static_cast<float>(is_min ? -kInfinity : kInfinity));
-        ASSERT_TRUE(bound[p] == single[p] || bound[p] == looser) << p;
-      }
-    }
-    if (bulk.kind == Kind::kSphere) {
-      Shape shape;
-      for (std::size_t i = 0; i < numbers.size(); ++i) shape.Set(i, numbers[i]);
-      ASSERT_TRUE(HullOf(bulk.single(), shape)
-                      .IsEnclosedBy(bound.data(), {.d = is_tightest ? 0 : 1,
-                                                   .d_slack = SlackOf(
-                                                       numbers, is_tightest)}));
-    }
-  }
-
   // On every target and in every layout, the same bits.
   static void ExpectAll(const BulkShapes& shapes, bool is_tightest) {
     const std::vector<Planes> singles = Singles(shapes);
@@ -146,8 +106,8 @@ class FitManyTest : public ::testing::TestWithParam<Bulk> {
         for (std::size_t i = 0; i < shapes.size(); ++i) {
           if (is_first) {
             first.push_back(built.Get(i));
-            ExpectBound(first[i], singles[i], shapes[i], is_tightest);
-            if (::testing::Test::HasFatalFailure()) return;
+            ASSERT_TRUE(IsBoundOfOne(GetParam(), first[i], singles[i],
+                                     shapes[i], is_tightest));
           } else {
             ASSERT_TRUE(SameBits(built.Get(i), first[i])) << i;
           }
