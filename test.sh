@@ -7,19 +7,22 @@ source "$root/scripts/packages.sh"
 source "$root/scripts/build.sh"
 source "$root/scripts/arm.sh"
 
-usage='usage: ./test.sh [--full] [--arm] [CTEST ARGUMENT...]
+usage='usage: ./test.sh [--full] [--arm | --windows] [CTEST ARGUMENT...]
 
 Installs what is missing, builds the library in 3 dimensions, and runs the tests that
 can fail on one machine and pass on another: scans on every target that the machine
 can run, in every way to call them; hashes of the answers of all other kernels and
 builders; the choice of a target; and threads.
 
-  --full  everything: 2, 3 and 4 dimensions; what all machines have in common, such
-          as exact bounds and the checks of arguments; and the tests of the C API, of
-          cpuinfo-bench, of the examples, and of the installed package
-  --arm   for arm64 instead: cross-compiles, and runs under qemu, on NEON, SVE, SVE2
-          and their fixed-width forms, the tests of what differs there, at a
-          hundredth of their scale
+  --full     everything: 2, 3 and 4 dimensions; what all machines have in common, such
+             as exact bounds and the checks of arguments; and the tests of the C API, of
+             cpuinfo-bench, of the examples, and of the installed package
+  --arm      for arm64 instead: cross-compiles, and runs under qemu, on NEON, SVE, SVE2
+             and their fixed-width forms, the tests of what differs there, at a
+             hundredth of their scale
+  --windows  for 64-bit Windows instead: cross-compiles a DLL of 2 and 3 dimensions by
+             mingw-w64, and runs in wine, at a tenth of their scale, the same tests but
+             those that need GMP, the tests of the C API, and the examples
 
 Other arguments are options of ctest that choose tests and what is printed, as in
 ./test.sh -R Range.
@@ -31,6 +34,7 @@ while [ $# -gt 0 ]; do
   case $1 in
     --full) is_full=1 ;;
     --arm) preset=aarch64 ;;
+    --windows) preset=windows ;;
     -h | --help)
       printf '%s\n' "$usage"
       exit 0
@@ -67,7 +71,11 @@ else
   prepare_machine
 fi
 if [ "$preset" = aarch64 ]; then prepare_arm; fi
-if [ "$is_full" ]; then
+if [ "$preset" = windows ]; then
+  install_packages "${windows_packages[@]}"
+  build_preset windows "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG" "${windows_tests[@]}"
+  test_preset windows --tests-regex "$windows_names" "$@"
+elif [ "$is_full" ]; then
   build_preset "$preset" -DHALFSPACE_TEST_ONLY_3D=OFF
   test_preset "$preset" "$@"
 elif [ "$preset" = aarch64 ]; then

@@ -7,6 +7,12 @@
 
 include(FetchContent)
 
+# A source archive has the headers (packaging/source_archive.py).
+set(packed "${CMAKE_CURRENT_LIST_DIR}/../third_party/highway")
+if(NOT FETCHCONTENT_SOURCE_DIR_HIGHWAY AND EXISTS "${packed}/hwy/highway.h")
+  set(FETCHCONTENT_SOURCE_DIR_HIGHWAY "${packed}")
+endif()
+
 set(highway_repository https://github.com/google/highway.git)
 # With FIND_PACKAGE_ARGS, a declaration of the project around this one counts first.
 set(of_the_system)

@@ -69,6 +69,14 @@ if(TARGET cpuinfo-bench)
           COMPONENT bundle EXCLUDE_FROM_ALL)
 endif()
 
+# The DLL has the runtime of gcc in it, and Highway's code.
+if(MINGW AND CMAKE_CROSSCOMPILING AND NOT TARGET cpuinfo-bench)
+  install(CODE "include(\"${CMAKE_CURRENT_LIST_DIR}/HalfspaceLicences.cmake\")
+halfspace_install_licences(\"${HALFSPACE_INSTALL_DOCDIR}/licences\" \"*/include/hwy/highway.h\"
+  \"*-posix/libstdc++.a\" \"*/x86_64-w64-mingw32/lib/libwinpthread.a\")"
+    COMPONENT bundle EXCLUDE_FROM_ALL)
+endif()
+
 string(TOLOWER "${CMAKE_SYSTEM_NAME}-${CMAKE_SYSTEM_PROCESSOR}" system)
 set(CPACK_GENERATOR TGZ)
 if(WIN32)
@@ -78,7 +86,7 @@ set(CPACK_VERBATIM_VARIABLES ON)
 set(CPACK_PACKAGE_FILE_NAME "${PROJECT_NAME}-${PROJECT_VERSION}-${system}")
 set(CPACK_INSTALL_CMAKE_PROJECTS
     "${CMAKE_BINARY_DIR}" "${PROJECT_NAME}" ALL /)
-if(TARGET cpuinfo-bench)
+if(TARGET cpuinfo-bench OR (MINGW AND CMAKE_CROSSCOMPILING))
   list(APPEND CPACK_INSTALL_CMAKE_PROJECTS
        "${CMAKE_BINARY_DIR}" "${PROJECT_NAME}" bundle /)
 endif()

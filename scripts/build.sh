@@ -13,6 +13,15 @@ machine_tests=(
   targets_test environment_test detect_targets_test
   broad_phase_threads_test dispatch_race_test range_threads_test)
 
+# What runs on Windows: those of them that need neither GMP nor Highway's library. Wine
+# takes seconds to start, so few values of HALFSPACE_TARGET are tried.
+# shellcheck disable=SC2034
+windows_tests=(
+  scan_test kernels_test many_test hash_test targets_test environment_test
+  broad_phase_threads_test dispatch_race_test range_threads_test c_test examples/all)
+# shellcheck disable=SC2034
+windows_names='^((scan|kernels|many|hash|targets|c|.*_threads|dispatch_race)_test$|example|environment_test.(SSE4|unknown)|package.stack)'
+
 # build_preset PRESET [-B FOLDER] [-DNAME=VALUE...] [TARGET...]: the build is in
 # build/FOLDER, without -B in build/PRESET.
 build_preset() {

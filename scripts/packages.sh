@@ -21,6 +21,10 @@ example_packages=(libbullet-dev libfcl-dev)
 # shellcheck disable=SC2034
 page_test_packages=(python3 python3-jsonschema)
 
+# What builds for Windows, by the preset windows, and runs programs for it.
+# shellcheck disable=SC2034
+windows_packages=(g++-mingw-w64-x86-64-posix googletest wine64)
+
 # What builds the Python module and tests it, with what the tutorial uses.
 # shellcheck disable=SC2034
 python_packages=(

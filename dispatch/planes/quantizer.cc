@@ -246,7 +246,10 @@ template void Quantizer::EncodeObjects(std::size_t, const float*, std::size_t,
                                        std::size_t, std::int16_t*) const;
 template void Quantizer::EncodeObject(const float*, std::int8_t*) const;
 template void Quantizer::EncodeObject(const float*, std::int16_t*) const;
-template void Quantizer::EncodeQuery(const float*, std::int8_t*) const;
-template void Quantizer::EncodeQuery(const float*, std::int16_t*) const;
+// A class that is exported to a DLL does not export these.
+template HALFSPACE_API void Quantizer::EncodeQuery(const float*,
+                                                   std::int8_t*) const;
+template HALFSPACE_API void Quantizer::EncodeQuery(const float*,
+                                                   std::int16_t*) const;
 
 }  // namespace halfspace::detail

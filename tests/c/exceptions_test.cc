@@ -21,7 +21,7 @@ thread_local std::size_t news_left = SIZE_MAX;
 
 }  // namespace
 
-// All in this program, up to a number.
+// All in this program, up to a number. A DLL has its own.
 void* operator new(std::size_t bytes) {
   void* const block = news_left == 0 ? nullptr : std::malloc(bytes);
   if (block == nullptr) throw std::bad_alloc();
@@ -62,7 +62,10 @@ void TestSaveWithoutMemory(const hs_bvh* bvh) {
     if (status == HS_OK) break;
     CHECK(status == HS_OUT_OF_MEMORY && count_files() == 0);
   }
-  CHECK(news > 0 && count_files() == 1);
+#if !defined(_WIN32) || !defined(HALFSPACE_SHARED)
+  CHECK(news > 0);
+#endif
+  CHECK(count_files() == 1);
   std::filesystem::remove_all(folder);
 }
 

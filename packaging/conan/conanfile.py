@@ -1,0 +1,52 @@
+"""Conan 2 recipe. A tag fills the address and the checksum in conandata.yml."""
+
+from conan import ConanFile
+from conan.tools.cmake import CMake, CMakeDeps, CMakeToolchain, cmake_layout
+from conan.tools.files import copy, get
+
+
+class HalfspaceConan(ConanFile):
+    name = "halfspace"
+    version = "0.1.0"
+    description = "Broad phases, BVHs and SIMD rejection tests over stored bounding volumes"
+    license = "MIT"
+    package_type = "library"
+    settings = "os", "arch", "compiler", "build_type"
+    options = {"shared": [True, False]}
+    default_options = {"shared": False}
+
+    def layout(self):
+        cmake_layout(self, src_folder="src")
+
+    def build_requirements(self):
+        self.tool_requires("cmake/[>=3.22 <5]")
+
+    def requirements(self):
+        self.requires("highway/[>=1.0.3 <2]", headers=True, libs=False, visible=False)
+
+    def source(self):
+        get(self, **self.conan_data["sources"][self.version], strip_root=True)
+
+    def generate(self):
+        toolchain = CMakeToolchain(self)
+        toolchain.cache_variables["HALFSPACE_C"] = True
+        toolchain.cache_variables["HALFSPACE_SHARED"] = bool(self.options.shared)
+        toolchain.generate()
+        CMakeDeps(self).generate()
+
+    def build(self):
+        cmake = CMake(self)
+        cmake.configure()
+        cmake.build()
+
+    def package(self):
+        copy(self, "LICENSE", self.source_folder, f"{self.package_folder}/licenses")
+        CMake(self).install()
+
+    def package_info(self):
+        # The package has files for find_package and pkg-config.
+        self.cpp_info.libs = ["halfspace"]
+        self.cpp_info.set_property("cmake_find_mode", "none")
+        self.cpp_info.builddirs = ["lib/cmake/halfspace"]
+        if self.options.shared:
+            self.cpp_info.defines = ["HALFSPACE_SHARED"]
