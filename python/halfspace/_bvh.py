@@ -80,7 +80,8 @@ class BVH:
         threads: Optional[int] = 1,
         progress: Optional[Progress] = None,
     ) -> None:
-        if quality not in ("high", "fast"):
+        # An array compares element by element.
+        if not isinstance(quality, str) or quality not in ("high", "fast"):
             raise ValueError(f'quality: expected "high" or "fast", got {quality!r}')
         table = _arrays.boxes(boxes, "boxes", most=_arrays.MOST_OBJECTS)
         self._tree = _halfspace.Tree(
@@ -295,6 +296,10 @@ class BVH:
         Returns an array of int64 with the shape (m,), or an int for one box.
         Arguments are those of `query`.
         """
+        if type(boxes) is np.ndarray and boxes.ndim == 1:
+            count = self._tree.count_one(boxes)
+            if count is not None:
+                return count
         table = self._boxes(boxes)
         counts = self._tree.count(table.arrays, _arrays.threads(threads), progress)
         return int(counts[0, 0]) if table.single else counts[:, 0].astype(np.int64)
@@ -311,6 +316,10 @@ class BVH:
         Returns an array of bool with the shape (m,), or a bool for one box.
         Arguments are those of `query`.
         """
+        if type(boxes) is np.ndarray and boxes.ndim == 1:
+            found = self._tree.any_one(boxes)
+            if found is not None:
+                return found != _arrays.NO_ID
         table = self._boxes(boxes)
         ids = self._tree.any(table.arrays, _arrays.threads(threads), progress)
         if table.single:

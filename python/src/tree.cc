@@ -290,6 +290,20 @@ py::array AskAll(Tree& tree, const py::tuple& arrays, std::size_t threads,
   return AskEach(tree.bvh.get(), kFunction, boxes, kPartQueries, work);
 }
 
+// The same of the box of a plain array, as QueryOne().
+template <auto kFunction, typename Value>
+py::object AskOne(Tree& tree, const py::array& array) {
+  const hs_columns box = BoxIn(array, tree.dims);
+  if (box.count == 0) return py::none();
+  Value value = 0;
+  const Reading reading(tree);
+  {
+    const py::gil_scoped_release release;
+    Check(kFunction(tree.bvh.get(), &box, nullptr, &value));
+  }
+  return py::int_(value);
+}
+
 py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
                   float max_distance, bool is_exclusive, std::size_t threads,
                   py::object progress) {
@@ -415,7 +429,9 @@ void DefineTree(py::module_& module) {
       .def("query_some", &QuerySome)
       .def("blob", &BlobOf)
       .def("count", &AskAll<&hs_bvh_count>)
+      .def("count_one", &AskOne<&hs_bvh_count, std::size_t>)
       .def("any", &AskAll<&hs_bvh_any>)
+      .def("any_one", &AskOne<&hs_bvh_any, std::uint32_t>)
       .def("nearest", &Nearest)
       .def("raycast", &CastRays)
       .def("pairs", &PairsOf)

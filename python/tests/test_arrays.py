@@ -291,6 +291,11 @@ BAD_CALLS = [
     (lambda: TREE.query([0, 0, 1, 1], threads=0), ValueError, "threads: expected an int"),
     (lambda: TREE.query([0, 0, 1, 1], threads=1.5), TypeError, "threads: expected an in"),
     (lambda: hs.BVH([[0, 0, 1, 1]], quality="x"), ValueError, 'quality: expected "high"'),
+    (
+        lambda: hs.BVH([[0, 0, 1, 1]], quality=np.array(["fast"])),
+        ValueError,
+        'quality: expected "high"',
+    ),
     (lambda: TREE.nearest([0, 0, 0]), ValueError, "points: expected points of shape (n,"),
     (lambda: TREE.nearest([0, NAN]), ValueError, "points: expected numbers, got NaN"),
     (lambda: TREE.nearest([1, 1, 0, 0]), ValueError, "points: expected min <= max, got"),
