@@ -1,6 +1,6 @@
-// Quantized bounds of any floats through any updates: alone they keep what the
-// floats keep, refined they give the answer of the oracle, bit for bit, on any
-// target, for one query and for many.
+// Histories of quantized bounds and worlds of any floats: alone they keep what
+// the floats keep, refined they give the answer of the oracle, bit for bit, on
+// any target, for one query and for many.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,22 +9,20 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <ostream>
 #include <span>
-#include <utility>
 #include <vector>
 
-#include "halfspace/quantized.h"
 #include "tests/fuzz/bytes.h"
 #include "tests/fuzz/caller_mode.h"
 #include "tests/fuzz/print.h"
-#include "tests/fuzz/quantized_followers.h"
 #include "tests/fuzz/run_input.h"
 #include "tests/library/quantized/quantized_answers.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/many_canaries.h"
-#include "tests/library/support/quantized_cases.h"
+#include "tests/library/support/owners.h"
 
 namespace halfspace::testing {
 namespace {
@@ -47,6 +45,15 @@ struct Update {
   std::size_t object = 0;  // the number of the first bound that it brings
 };
 
+const std::vector<OwnerRow>& Rows() {
+  static const std::vector<OwnerRow> rows = [] {
+    std::vector<OwnerRow> all = OwnerRows();
+    std::erase_if(all, [](const OwnerRow& row) { return !row.IsQuantized(); });
+    return all;
+  }();
+  return rows;
+}
+
 // A few words, or more objects than a byte tells apart.
 std::size_t DecodeSize(Bytes& bytes) {
   const std::size_t size = bytes.Below(256);
@@ -59,11 +66,11 @@ Target DecodeTarget(Bytes& bytes) {
   return targets[bytes.Below(targets.size())];
 }
 
-template <typename Case>
 class UpdatedQuantized {
  public:
   explicit UpdatedQuantized(Bytes& bytes)
-      : mode_(bytes),
+      : row_(Rows()[bytes.Below(Rows().size())]),
+        mode_(bytes),
         size_(DecodeSize(bytes)),
         run_(std::size_t{1} << bytes.Below(8)),
         target_(DecodeTarget(bytes)),
@@ -74,13 +81,18 @@ class UpdatedQuantized {
       update.index = bytes.Below(1 << 16);
       update.object = bytes.Below(1 << 16);
     }
-    for (std::size_t p = 0; p < kPlanes<FloatView>; ++p) {
-      for (float& value : palettes_[p]) value = bytes.Float();
+    for (std::size_t p = 0; p < planes_; ++p) {
+      bytes.Fill(palettes_[p]);
       const std::size_t step = bytes.Byte();
       steps_[p] = step < 128 ? 0 : std::uint32_t{1} << (step % 24);
-      for (Query& query : queries_) {
-        OpposingValue<FloatView>(query, p) = QueryValue(p, bytes.Byte());
+      for (std::size_t q = 0; q < kQueries; ++q) {
+        queries_[q * planes_ + OpposingValue(row_.layout, p)] =
+            QueryValue(p, bytes.Byte());
       }
+    }
+    // At once: those queries, again and again.
+    for (std::size_t i = kQueries * planes_; i < queries_.size(); ++i) {
+      queries_[i] = queries_[i - kQueries * planes_];
     }
     // Whose bits choose from the palettes, again and again.
     pattern_.assign(bytes.Rest().begin(), bytes.Rest().end());
@@ -88,44 +100,42 @@ class UpdatedQuantized {
   }
 
   ::testing::AssertionResult Check() const {
-    std::vector<Bound> bounds;
-    for (std::size_t i = 0; i < size_; ++i) bounds.push_back(BoundAt(i));
-    QuantizedFollowers<Case> followers{std::span<const Bound>(bounds)};
+    Records model;
+    for (std::size_t i = 0; i < size_; ++i) model.push_back(BoundAt(i));
+    const auto owner = row_.Make(model);
     for (std::size_t u = 0; u < updates_.size(); ++u) {
-      mode_.Run([&] { Apply(updates_[u], followers); });
-      auto result = CheckUpdated(followers);
+      mode_.Run([&] { Apply(updates_[u], *owner, model); });
+      if (owner->size() != model.size()) {
+        return ::testing::AssertionFailure()
+               << "a wrong size, after update " << u;
+      }
+      auto result = CheckUpdated(*owner, model);
       if (!result) return result << ", after update " << u;
     }
-    return CheckAllCalls(followers);
+    return CheckAllCalls(*owner, model);
   }
 
   friend std::ostream& operator<<(std::ostream& out,
                                   const UpdatedQuantized& input) {
-    out << QuantizedCaseNames::GetName<Case>(0) << ", " << input.size_
-        << " objects, runs of " << input.run_ << ", updated in the mode "
-        << input.mode_ << ", asked on " << input.target_.name() << ", "
-        << input.many_ << " queries at once\n";
-    for (std::size_t p = 0; p < kPlanes<FloatView>; ++p) {
+    out << input.row_ << ", " << input.size_ << " objects, runs of "
+        << input.run_ << ", updated in the mode " << input.mode_
+        << ", asked on " << input.target_.name() << ", " << input.many_
+        << " queries at once\n";
+    for (std::size_t p = 0; p < input.planes_; ++p) {
       out << "plane " << p << ": of " << Print(input.palettes_[p])
           << ", each object " << input.steps_[p] << " ulps from the last\n";
     }
-    for (const Query& query : input.queries_) {
-      out << "query " << Print(detail::Planes(query)) << '\n';
-    }
+    out << "queries " << Print(input.queries_) << '\n';
     for (const Update& update : input.updates_) {
       out << kKindNames[static_cast<std::size_t>(update.kind)] << ", index "
-          << update.index << ", object " << update.object << ": "
-          << Print(detail::Planes(input.BoundAt(update.object))) << '\n';
+          << update.index << ", object " << update.object << '\n';
     }
     return out;
   }
 
  private:
-  using FloatView = typename Case::View;
-  using Bound = typename FloatView::Bound;
-  using Query = typename FloatView::Query;
-
   static constexpr std::size_t kMostUpdates = 12;
+  static constexpr std::size_t kQueries = 3;
 
   // In a plane of steps all objects differ.
   float Value(std::size_t p, std::size_t choice, std::size_t object) const {
@@ -134,13 +144,13 @@ class UpdatedQuantized {
                                 static_cast<std::uint32_t>(object) * steps_[p]);
   }
 
-  Bound BoundAt(std::size_t object) const {
-    Bound bound;
-    for (std::size_t p = 0; p < kPlanes<FloatView>; ++p) {
-      const std::size_t at = object / run_ * kPlanes<FloatView> + p;
+  Record BoundAt(std::size_t object) const {
+    Record bound{};
+    for (std::size_t p = 0; p < planes_; ++p) {
+      const std::size_t at = object / run_ * planes_ + p;
       const std::uint8_t byte = pattern_[at / 4 % pattern_.size()];
-      StoredValue<FloatView>(bound, p) =
-          Value(p, byte >> (at % 4 * 2) & 3, object);
+      const float value = Value(p, byte >> (at % 4 * 2) & 3, object);
+      std::memcpy(&bound[p * sizeof(float)], &value, sizeof(float));
     }
     return bound;
   }
@@ -159,92 +169,93 @@ class UpdatedQuantized {
     }
   }
 
-  void Apply(const Update& update, QuantizedFollowers<Case>& followers) const {
-    const std::size_t size = followers.model().size();
+  void Apply(const Update& update, AnyOwner& owner, Records& model) const {
+    const auto push = [&](const Record& bound) {
+      owner.Push(bound);
+      model.push_back(bound);
+    };
     switch (update.kind) {
       case Kind::kPush:
-        return followers.Push(BoundAt(update.object));
+        return push(BoundAt(update.object));
       case Kind::kPushMany:
         for (std::size_t i = 0; i < update.index % 100; ++i) {
-          followers.Push(BoundAt(update.object + i));
+          push(BoundAt(update.object + i));
         }
         return;
-      case Kind::kSet:
-        if (size == 0) return;
-        return followers.Set(update.index % size, BoundAt(update.object));
+      case Kind::kSet: {
+        if (model.empty()) return;
+        Record& bound = model[update.index % model.size()];
+        bound = BoundAt(update.object);
+        return owner.Set(update.index % model.size(), bound);
+      }
       case Kind::kErase:
-        if (size == 0) return;
-        return followers.EraseBySwap(update.index % size);
+        if (model.empty()) return;
+        owner.EraseBySwap(update.index % model.size());
+        model[update.index % model.size()] = model.back();
+        return model.pop_back();
       case Kind::kRequantize:
-        return followers.Requantize();
+        return owner.Requantize(*row_.MakeFloats(model));
       case Kind::kReserve:
-        return followers.Reserve(update.index % 1000);
+        return owner.Reserve(update.index % 1000);
       case Kind::kClear:
-        return followers.Clear();
+        model.clear();
+        return owner.Clear();
     }
   }
 
+  AnyQueries Query(std::size_t q) const { return {&queries_[q * planes_], 1}; }
+
   // By one call; what an update did wrong, all of them show.
-  ::testing::AssertionResult CheckUpdated(
-      const QuantizedFollowers<Case>& followers) const {
-    const World<FloatView> floats(followers.model());
-    for (const Query& query : queries_) {
-      const Answer exact = ReferenceAnswer(floats.view(), query);
-      const auto ask = [&](const auto& world) {
-        return AnswerByMask(world, floats.size(), query, target_);
-      };
-      auto result = KeepsAllOf(exact, ask(followers.quantized()));
-      if (!result) return result << " (quantized bounds)";
-      result = KeepsAllOf(exact, ask(followers.quantized_world().quantized()));
-      if (!result) return result << " (unrefined quantized world)";
-      const Answer refined = ask(followers.quantized_world());
+  ::testing::AssertionResult CheckUpdated(const AnyOwner& owner,
+                                          const Records& model) const {
+    const auto floats = row_.MakeFloats(model);
+    for (std::size_t q = 0; q < kQueries; ++q) {
+      Answer exact;
+      exact.AssignReference(floats->seen(), Query(q));
+      auto result =
+          KeepsAllOf(exact, AnswerByMask(owner.quantized(), Query(q), target_));
+      if (!result) return result;
+      const Answer refined =
+          AnswerByMask(owner.Refined(*floats), Query(q), target_);
       if (!internal::Same(exact.reject_mask(), refined.reject_mask())) {
-        return ::testing::AssertionFailure() << "wrong (quantized world)";
+        return ::testing::AssertionFailure() << "wrong (refined)";
       }
     }
     return ::testing::AssertionSuccess();
   }
 
-  ::testing::AssertionResult CheckAllCalls(
-      const QuantizedFollowers<Case>& followers) const {
-    const World<FloatView> floats(followers.model());
-    const auto view = floats.view();
+  ::testing::AssertionResult CheckAllCalls(const AnyOwner& owner,
+                                           const Records& model) const {
+    const auto floats = row_.MakeFloats(model);
     const std::span<const Target> target(&target_, 1);
-    auto result = QuantizedAnswersEverywhere(followers.quantized(), view,
-                                             queries_.front(), target);
+    Answer exact;
+    exact.AssignReference(floats->seen(), Query(0));
+    auto result = QuantizedAnswersEverywhere(
+        owner.quantized(), owner.Refined(*floats), exact, Query(0), target);
     if (!result) return result;
-    std::vector<Query> many;
-    for (std::size_t q = 0; q < many_; ++q) {
-      many.push_back(queries_[q % queries_.size()]);
-    }
+    const AnyQueries many(queries_.data(), many_);
     ManyAnswers answers;
-    answers.AssignReference(view, many);
-    result = AnswersManyEverywhere(answers, followers.quantized_world(), many,
-                                   target);
-    if (!result) return result << " (quantized world)";
-    return result;
+    answers.AssignReference(floats->seen(), many);
+    return AnswersManyEverywhere(answers, owner.Refined(*floats), many, target);
   }
 
+  const OwnerRow& row_;
+  const std::size_t planes_ = row_.layout.plane_count;
   CallerMode mode_;
   std::size_t size_;
   std::size_t run_;  // objects in a row that choose the same
   Target target_;
-  std::size_t many_;  // queries at once: those below, again and again
-  std::array<Query, 3> queries_;
+  std::size_t many_;  // queries at once
+  std::vector<float> queries_ =
+      std::vector<float>((kQueries + many_) * planes_);
   std::vector<Update> updates_;
-  std::array<std::array<float, 4>, kPlanes<FloatView>> palettes_;
-  std::array<std::uint32_t, kPlanes<FloatView>> steps_;
+  std::array<std::array<float, 4>, 10> palettes_{};
+  std::array<std::uint32_t, 10> steps_{};
   std::vector<std::uint8_t> pattern_;
 };
 
-template <typename... Cases>
-::testing::Types<UpdatedQuantized<Cases>...> InputsOf(
-    ::testing::Types<Cases...>);
-
 }  // namespace
 
-void RunInput(Bytes& bytes) {
-  RunOneOf(decltype(InputsOf(QuantizedCases()))(), bytes);
-}
+void RunInput(Bytes& bytes) { Run<UpdatedQuantized>(bytes); }
 
 }  // namespace halfspace::testing

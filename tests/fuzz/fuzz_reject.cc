@@ -16,33 +16,16 @@
 #include "tests/fuzz/run_input.h"
 #include "tests/library/support/answers.h"
 #include "tests/library/support/canaries.h"
-#include "tests/library/support/cases.h"
 #include "tests/library/support/environment.h"
+#include "tests/library/support/flat_cases.h"
 
 namespace halfspace::testing {
 namespace {
 
-// `size` numbers, the first of them `offset` elements after a 64-byte boundary
-// and the last at the very end of its block.
-template <typename T>
-class MisalignedPlane {
- public:
-  MisalignedPlane(std::size_t offset, std::size_t size)
-      : block_(static_cast<T*>(
-            ::operator new((offset + size) * sizeof(T), kAlignment))),
-        values_(block_.get() + offset, size) {}
-
-  std::span<T> values() const { return values_; }
-
- private:
-  static constexpr std::align_val_t kAlignment{64};
-  struct Free {
-    void operator()(T* block) const { ::operator delete(block, kAlignment); }
-  };
-
-  std::unique_ptr<T, Free> block_;
-  std::span<T> values_;
-};
+const std::vector<FlatCase>& Rows() {
+  static const std::vector<FlatCase> rows = AllFlatCases();
+  return rows;
+}
 
 // Sizes of a few words, and around the tiles of staged scans.
 std::size_t DecodeSize(Bytes& bytes) {
@@ -52,88 +35,99 @@ std::size_t DecodeSize(Bytes& bytes) {
   return (size < 254 ? 1 : 2) * 4096 - 64 + bytes.Below(256);
 }
 
-template <typename Case>
 class World {
  public:
   explicit World(Bytes& bytes)
-      : size_(DecodeSize(bytes)),
+      : row_(Rows()[bytes.Below(Rows().size())]),
+        size_(DecodeSize(bytes)),
         schedule_(kSchedules[bytes.Below(kSchedules.size())]),
         offset_(bytes.Below(kOffsets)),
         capacity_(bytes.Below(size_ + 70)),
         run_(std::size_t{1} << bytes.Below(8)) {
-    for (std::size_t p = 0; p < kPlanes<Stored>; ++p) {
-      OpposingValue<Stored>(query_, p) = bytes.Number<Scalar>();
-      bytes.Fill(palettes_[p]);
-    }
-    // Whose bits choose from the palettes, again and again.
-    pattern_.assign(bytes.Rest().begin(), bytes.Rest().end());
-    if (pattern_.empty()) pattern_.push_back(0x1b);
-    for (std::size_t p = 0; p < kPlanes<Stored>; ++p) MakePlane(p);
-    stored_.size = size_;
+    row_.WithScalar([&]<typename T>(T) { Decode<T>(bytes); });
   }
 
   ::testing::AssertionResult Check() const {
-    const auto view = Case::Seen(stored_);
-    const auto query = Case::Seen(query_);
-    const Answer answer = ReferenceAnswer(view, query);
+    const AnyWorld world = row_.world(pointers_, size_);
+    const AnyQueries query(query_.data(), 1);
+    Answer answer;
+    answer.AssignReference(world, query);
     CanariedOutputs outputs;
     for (Target target : TargetsUnderTest()) {
       const Options options{.schedule = schedule_, .target = target};
-      auto result = Answers(answer, view, query, options, outputs.For(answer));
+      auto result = Answers(answer, world, query, options, outputs.For(answer));
       if (!result) return result;
       if (!outputs.Intact()) {
         return internal::Fail("a call", options) << "wrote past its output";
       }
-      result = CheckShortList(answer, view, query, options);
+      result = CheckShortList(answer, world, query, options);
       if (!result) return result;
     }
     return ::testing::AssertionSuccess();
   }
 
   friend std::ostream& operator<<(std::ostream& out, const World& world) {
-    out << NameOf(Case()) << ", " << world.size_ << " objects, schedule "
+    out << world.row_ << ", " << world.size_ << " objects, schedule "
         << static_cast<int>(world.schedule_) << ", offset " << world.offset_
         << ", room for " << world.capacity_ << " indices, runs of "
         << world.run_ << '\n';
-    auto query = world.query_;
-    for (std::size_t p = 0; p < kPlanes<Stored>; ++p) {
-      const auto values = world.planes_[p].values();
-      out << "plane " << p << ": query "
-          << Print(std::array{OpposingValue<Stored>(query, p)}) << ", of "
-          << Print(world.palettes_[p]) << ", first elements "
-          << Print(values.first(std::min<std::size_t>(world.size_, 70)))
-          << '\n';
+    for (std::size_t p = 0; p < world.palettes_.size(); ++p) {
+      out << "plane " << p
+          << ": the value of the query, then those of objects: "
+          << Print(world.palettes_[p]) << '\n';
     }
-    return out;
+    return out << "pattern " << Print(world.pattern_) << '\n';
   }
 
  private:
-  using Stored = typename Case::Stored;
-  using Scalar = ScalarOf<Stored>;
   static constexpr std::size_t kOffsets = 16;
-
-  void MakePlane(std::size_t p) {
-    // No two planes in a row share an alignment.
-    planes_.emplace_back((offset_ + 3 * p) % kOffsets, size_);
-    const auto values = planes_.back().values();
-    for (std::size_t i = 0; i < size_; ++i) {
-      const std::size_t at = i / run_ * kPlanes<Stored> + p;
-      const std::uint8_t byte = pattern_[at / 4 % pattern_.size()];
-      values[i] = palettes_[p][byte >> (at % 4 * 2) & 3];
+  static constexpr std::align_val_t kAlignment{64};
+  struct Free {
+    void operator()(std::byte* block) const {
+      ::operator delete(block, kAlignment);
     }
-    PlaneOf(stored_, p) = values.data();
+  };
+
+  template <typename T>
+  void Decode(Bytes& bytes) {
+    std::array<T, 10> query{};
+    for (std::size_t p = 0; p < row_.stored.plane_count; ++p) {
+      std::array<T, 5> palette;
+      bytes.Fill(palette);
+      query[OpposingValue(row_.stored, p)] = palette[0];
+      palettes_.emplace_back(palette.begin(), palette.end());
+    }
+    row_.see_query(query.data(), query_.data());
+    // Whose bits choose from the palettes, again and again.
+    pattern_.assign(bytes.Rest().begin(), bytes.Rest().end());
+    if (pattern_.empty()) pattern_.push_back(0x1b);
+    for (std::size_t p = 0; p < row_.stored.plane_count; ++p) {
+      // No two planes in a row share an alignment, and each ends where its
+      // block does.
+      const std::size_t offset = (offset_ + 3 * p) % kOffsets;
+      blocks_.emplace_back(static_cast<std::byte*>(
+          ::operator new((offset + size_) * sizeof(T), kAlignment)));
+      T* const values = reinterpret_cast<T*>(blocks_.back().get()) + offset;
+      for (std::size_t i = 0; i < size_; ++i) {
+        const std::size_t at = i / run_ * row_.stored.plane_count + p;
+        const std::uint8_t byte = pattern_[at / 4 % pattern_.size()];
+        values[i] =
+            static_cast<T>(palettes_[p][1 + (byte >> (at % 4 * 2) & 3u)]);
+      }
+      pointers_[p] = values;
+    }
   }
 
-  template <typename View>
   ::testing::AssertionResult CheckShortList(const Answer& answer,
-                                            const View& view,
-                                            const typename View::Query& query,
+                                            const AnyWorld& world,
+                                            const AnyQueries& query,
                                             const Options& options) const {
     const auto all = answer.survivors();
     const auto expected = all.first(std::min(capacity_, all.size()));
     Canaried<std::uint32_t> indices;
     const auto out = indices.Reset(capacity_);
-    const std::size_t counted = Survivors(view, query, out, options);
+    const std::size_t counted =
+        detail::Survivors(world.Asked(query), out, options, 0);
     if (counted != all.size()) {
       return internal::Fail("Survivors", options)
              << "expected " << all.size() << ", got " << counted;
@@ -149,25 +143,21 @@ class World {
     return ::testing::AssertionSuccess();
   }
 
+  const FlatCase& row_;
   std::size_t size_;
   Schedule schedule_;
   std::size_t offset_;
   std::size_t capacity_;
   std::size_t run_;  // objects in a row that are the same
-  typename Stored::Query query_;
-  std::array<std::array<Scalar, 4>, kPlanes<Stored>> palettes_;
+  alignas(double) std::array<std::byte, 80> query_{};
+  std::vector<std::vector<double>> palettes_;
   std::vector<std::uint8_t> pattern_;
-  std::vector<MisalignedPlane<Scalar>> planes_;
-  Stored stored_;
+  std::vector<std::unique_ptr<std::byte, Free>> blocks_;
+  PlanePointers pointers_{};
 };
-
-template <typename... Cases>
-::testing::Types<World<Cases>...> WorldsOf(::testing::Types<Cases...>);
 
 }  // namespace
 
-void RunInput(Bytes& bytes) {
-  RunOneOf(decltype(WorldsOf(AllCases()))(), bytes);
-}
+void RunInput(Bytes& bytes) { Run<World>(bytes); }
 
 }  // namespace halfspace::testing

@@ -9,7 +9,8 @@ source "$root/scripts/build.sh"
 usage='usage: tests/fuzz/run.sh [--keep] [SECONDS]
 
 Runs all fuzzers at once for SECONDS (60 without it), each from its inputs in
-tests/fuzz/corpus. A file there has an input on each line, in hexadecimal digits.
+tests/fuzz/corpus, if it has any. A file there has an input on each line, in hexadecimal
+digits.
 New inputs stay in build/asan/found, and an input that fails in build/asan/wrong.
 
   --keep  then writes to tests/fuzz/corpus the inputs that cover most, at most 60
@@ -32,7 +33,7 @@ build_preset asan fuzzers
 
 build=$root/build/asan
 corpus=$root/tests/fuzz/corpus
-mkdir -p "$build/wrong" "$build/logs"
+mkdir -p "$corpus" "$build/wrong" "$build/logs"
 
 # hex FILE: its bytes as a line of a corpus.
 hex() {
@@ -45,6 +46,7 @@ unpack() {
   local line i=0
   rm -rf "$2"
   mkdir -p "$2"
+  [ -e "$corpus/$1.txt" ] || return 0
   while read -r line; do
     i=$((i + 1))
     printf '%b' "$line" >"$2/$i"
@@ -56,7 +58,7 @@ unpack() {
 pack() {
   local file
   {
-    grep '#' "$corpus/$1.txt" || true
+    grep -s '#' "$corpus/$1.txt" || true
     find "$2" -type f -printf '%T@ %p\n' | sort -n | sed 's/^[^ ]* //' | head -n 60 |
       while read -r file; do hex "$file"; done
   } | sort -u >"$build/corpus.$1"

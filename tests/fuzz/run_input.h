@@ -32,52 +32,6 @@ void Run(Bytes& bytes) {
   std::abort();
 }
 
-// Whether the library has kernels of so many dimensions. If not, an input of
-// them is not run: the inputs that are kept mean the same in every build.
-constexpr bool IsInLibrary(int dims) {
-#if defined(HALFSPACE_FUZZ_WITHOUT_4D)
-  return dims < 4;
-#else
-  return dims <= 4;
-#endif
-}
-
-template <typename>
-constexpr bool kIsTested = true;
-template <template <typename> class Input, typename View>
-requires requires { View::Bound::kDimensions; }
-constexpr bool kIsTested<Input<View>> = IsInLibrary(View::Bound::kDimensions);
-template <template <typename> class Input, typename Case>
-requires requires { Case::View::Bound::kDimensions; }
-constexpr bool kIsTested<Input<Case>> =
-    IsInLibrary(Case::View::Bound::kDimensions);
-
-template <typename Input>
-void RunIfTested(Bytes& bytes) {
-  if constexpr (kIsTested<Input>) Run<Input>(bytes);
-}
-
-// Runs the one of the input types that a byte chooses.
-template <typename... Inputs>
-void RunOneOf(::testing::Types<Inputs...>, Bytes& bytes) {
-  using Runner = void (*)(Bytes&);
-  constexpr Runner kRunners[] = {&RunIfTested<Inputs>...};
-  kRunners[bytes.Below(sizeof...(Inputs))](bytes);
-}
-
-// The same for one of the lists Inputs<2>, Inputs<3> and Inputs<4>.
-template <template <int> class Inputs>
-void RunOneOfAllDims(Bytes& bytes) {
-  switch (bytes.Below(3)) {
-    case 0:
-      return RunOneOf(Inputs<2>(), bytes);
-    case 1:
-      return RunOneOf(Inputs<3>(), bytes);
-    default:
-      if constexpr (IsInLibrary(4)) RunOneOf(Inputs<4>(), bytes);
-  }
-}
-
 }  // namespace halfspace::testing
 
 #endif  // HALFSPACE_TESTS_FUZZ_RUN_INPUT_H_
