@@ -20,30 +20,24 @@ for argument in "$@"; do
   esac
 done
 
-# CGAL is under the GPL, and so is a tool that was built with it.
+# The kernels of 4 dimensions are compiled for the experiments of the paper alone. The
+# library is compiled without what cpuinfo-bench does not call.
 arguments=()
-cgal=OFF
-# The kernels of 4 dimensions are compiled for the experiments of the paper alone.
 program=cpuinfo-bench
 folder=bench
-dims="2;3"
+options=("-DHALFSPACE_DIMS=2;3" -DHALFSPACE_C=OFF -DHALFSPACE_BENCH_ALONE=ON)
 for argument in "$@"; do
   case $argument in
-    --with-cgal)
-      cgal=ON
-      competitor_packages+=(libcgal-dev)
-      ;;
     --paper)
       program=paper-bench
       folder=release
-      dims="2;3;4"
+      options=()
       ;;
     *) arguments+=("$argument") ;;
   esac
 done
 
 prepare_machine "${competitor_packages[@]}"
-build_preset release -B "$folder" "-DHALFSPACE_BENCH_CGAL=$cgal" \
-  "-DHALFSPACE_DIMS=$dims" "$program"
+build_preset release -B "$folder" "${options[@]}" "$program"
 say "==> run $program"
 exec "$root/build/$folder/bench/$program" "${arguments[@]}"

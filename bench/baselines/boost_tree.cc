@@ -122,9 +122,9 @@ struct RegisterNodeSize {
     Register<NearestTree, BoostNearest<kNodeSize>>();
   }
 };
+// Of 24 worlds, nodes of 32 were the fastest in one, by 1 %.
 const RegisterNodeSize<8> kNodesOf8;
 const RegisterNodeSize<16> kNodesOf16;
-const RegisterNodeSize<32> kNodesOf32;
 
 }  // namespace
 }  // namespace halfspace::bench

@@ -38,44 +38,6 @@ class Box2dSpace : public BodySpace<2> {
     PairsAmong(ids, found, [&](auto function) { ForEachPair(function); });
   }
 
-  void Find(const BodyQuery<2>& query,
-            std::vector<std::uint32_t>& found) const override {
-    struct {
-      bool QueryCallback(std::int32_t proxy) {
-        const std::uint32_t id = space.IdOf(proxy);
-        if (!query.Finds(space.boxes_[id])) return true;
-        found.push_back(id);
-        return !query.is_first;
-      }
-      const Box2dSpace& space;
-      const BodyQuery<2>& query;
-      std::vector<std::uint32_t>& found;
-    } callback{*this, query, found};
-    space_.Query(&callback, BoxOf(query.box));
-  }
-
-  // It casts rays alone.
-  bool CanCastBoxes() const override { return false; }
-  void Cast(const BodyCast<2>& cast, CastHits& hits) const override {
-    struct {
-      float RayCastCallback(const b2RayCastInput&, std::int32_t proxy) {
-        hits.Test(cast, space.boxes_[space.IdOf(proxy)]);
-        // 0 would end the cast.
-        return std::max(hits.limit / cast.max_t,
-                        std::numeric_limits<float>::min());
-      }
-      const Box2dSpace& space;
-      const BodyCast<2>& cast;
-      CastHits& hits;
-    } callback{*this, cast, hits};
-    b2RayCastInput input;
-    input.p1 = VectorOf(cast.box.min);
-    // Of the whole way, whose direction is rounded less.
-    input.p2 = input.p1 + cast.max_t * VectorOf(cast.direction);
-    input.maxFraction = 1;
-    space_.RayCast(&callback, input);
-  }
-
   // Of b2BroadPhase::UpdatePairs().
   void AddPair(void* a_data, void* b_data) {
     IndexPair pair = {IdOfData(a_data), IdOfData(b_data)};
@@ -90,10 +52,6 @@ class Box2dSpace : public BodySpace<2> {
   }
 
  private:
-  std::uint32_t IdOf(std::int32_t proxy) const {
-    return IdOfData(space_.GetUserData(proxy));
-  }
-
   template <typename Function>
   void ForEachPair(Function function) const {
     for (const IndexPair& pair : contacts_) function(pair[0], pair[1]);

@@ -82,15 +82,6 @@ class NearestTree : public Competitor {
                        std::vector<std::uint32_t>& found) = 0;
 };
 
-class LineTree : public Competitor {
- public:
-  using Input = std::span<const Aabb3>;
-
-  // The indices of the boxes that the segment touches, in any order.
-  virtual void Along(const Segment<3>& segment,
-                     std::vector<std::uint32_t>& found) const = 0;
-};
-
 using IndexPair = std::array<std::uint32_t, 2>;
 
 class PairFinder : public Competitor {

@@ -36,7 +36,6 @@ class FclSpace : public BodySpace<3> {
       bodies_.push_back(
           std::make_unique<FclBody>(geometry, static_cast<std::uint32_t>(i)));
     }
-    query_ = std::make_unique<FclBody>(geometry, 0);
   }
 
   void Insert(Ids ids, Boxes boxes) override {
@@ -60,25 +59,14 @@ class FclSpace : public BodySpace<3> {
       return;
     }
     PairsByQueries(ids, found, [&](std::uint32_t a, auto function) {
-      ForEachNear(bodies_[a].get(), [&](std::uint32_t b) {
-        function(b);
-        return false;
-      });
+      space_.collide(
+          bodies_[a].get(), &function, [](Object* body, Object*, void* data) {
+            (*static_cast<decltype(function)*>(data))(FclBody::IdOf(body));
+            return false;
+          });
     });
   }
 
-  void Find(const BodyQuery<3>& query,
-            std::vector<std::uint32_t>& found) const override {
-    query_->SetBox(query.box);
-    ForEachNear(query_.get(), [&](std::uint32_t id) {
-      if (!query.Finds(boxes_[id])) return false;
-      found.push_back(id);
-      return query.is_first;
-    });
-  }
-  // It has none.
-  void Cast(const BodyCast<3>& /*cast*/, CastHits& /*hits*/) const override {}
-  bool CanCast() const override { return false; }
   // AABB::equal(): update() of a list leaves these boxes as they were.
   float Slack() const override {
     return 100 * std::numeric_limits<float>::epsilon();
@@ -92,13 +80,6 @@ class FclSpace : public BodySpace<3> {
       objects_.push_back(bodies_[id].get());
     });
   }
-  // function(id) returns whether to stop.
-  template <typename Function>
-  void ForEachNear(Object* query, Function function) const {
-    space_.collide(query, &function, [](Object* body, Object*, void* data) {
-      return (*static_cast<Function*>(data))(FclBody::IdOf(body));
-    });
-  }
   template <typename Function>
   void ForEachPair(Function function) const {
     space_.collide(&function, [](Object* a, Object* b, void* data) {
@@ -108,7 +89,6 @@ class FclSpace : public BodySpace<3> {
   }
 
   std::vector<std::unique_ptr<FclBody>> bodies_;
-  std::unique_ptr<FclBody> query_;
   std::vector<Object*> objects_;  // of the last change
   fcl::DynamicAABBTreeCollisionManager<float> space_;
 };

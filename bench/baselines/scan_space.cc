@@ -26,35 +26,14 @@ class ScanSpace : public BodySpace<kDims> {
 
   void PairsOf(Ids ids, std::vector<IndexPair>& found) override {
     this->PairsByQueries(ids, found, [&](std::uint32_t a, auto function) {
-      for (std::uint32_t b : Scan(this->boxes_[a])) function(b);
+      const std::size_t count = Survivors(world_, this->boxes_[a], survivors_);
+      for (std::size_t i = 0; i < count; ++i) function(survivors_[i]);
     });
   }
 
-  void Find(const BodyQuery<kDims>& query,
-            std::vector<std::uint32_t>& found) const override {
-    if (query.is_first) {
-      if (const auto id = AnySurvivor(world_, query.box)) {
-        found.push_back(static_cast<std::uint32_t>(*id));
-      }
-      return;
-    }
-    for (std::uint32_t id : Scan(query.box)) {
-      if (query.Finds(this->boxes_[id])) found.push_back(id);
-    }
-  }
-  void Cast(const BodyCast<kDims>& cast, CastHits& hits) const override {
-    for (std::uint32_t id : Scan(cast.Way(hits.limit))) {
-      hits.Test(cast, this->boxes_[id]);
-    }
-  }
-
  private:
-  std::span<const std::uint32_t> Scan(const Box& query) const {
-    return std::span(survivors_).first(Survivors(world_, query, survivors_));
-  }
-
   World<AabbView<kDims>> world_;
-  mutable std::vector<std::uint32_t> survivors_;
+  std::vector<std::uint32_t> survivors_;
 };
 
 template <int kDims>

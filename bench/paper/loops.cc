@@ -22,9 +22,7 @@ PaperLoops PaperLoopsOf<HWY_TARGET>() {
   return {.gated = &HWY_NAMESPACE::ScanGated,
           .spheres = &HWY_NAMESPACE::ScanSpheres,
           .staged = {HWY_NAMESPACE::StagedOf<kWidths[0]>(),
-                     HWY_NAMESPACE::StagedOf<kWidths[1]>(),
-                     HWY_NAMESPACE::StagedOf<kWidths[2]>(),
-                     HWY_NAMESPACE::StagedOf<kWidths[3]>()}};
+                     HWY_NAMESPACE::StagedOf<kWidths[1]>()}};
 }
 
 }  // namespace halfspace::bench

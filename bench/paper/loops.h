@@ -86,7 +86,8 @@ using StagedScan = void (*)(ShapeKind shape, Way way,
 using SphereScan = void (*)(const float* const* planes, const float* query,
                             std::size_t size, std::uint64_t* mask);
 
-inline constexpr std::array<std::size_t, 4> kWidths = {1, 4, 8, 16};
+// Of the vectors that the library uses for one query.
+inline constexpr std::array<std::size_t, 2> kWidths = {4, 8};
 
 struct PaperLoops {
   GatedScan gated = nullptr;

@@ -55,7 +55,7 @@ std::size_t QueriesInScan(std::size_t objects) {
 struct Way {
   std::string shape;
   std::string structure;  // "scan" or "BVH"
-  std::string precision;  // "floats", "uint8" or "uint16"
+  std::string precision;  // "floats" or "uint8"
   double survivors;       // of a query
   Timing time = {};       // of a query, with the exact test of survivors
 
@@ -73,7 +73,6 @@ class WaysOf {
       : shape_(NameOf(shape)),
         view_(view),
         bytes_(view),
-        words_(view),
         bvh_(view),
         options_(options),
         found_(view.size) {
@@ -102,9 +101,6 @@ class WaysOf {
     add("scan", "uint8", in_scan, [this](const Query& query) {
       return Survivors(bytes_, query, found_, options_);
     });
-    add("scan", "uint16", in_scan, [this](const Query& query) {
-      return Survivors(words_, query, found_, options_);
-    });
     add("BVH", "floats", 64, [this](const Query& query) {
       return Survivors(bvh_, query, found_, {.target = options_.target});
     });
@@ -114,7 +110,6 @@ class WaysOf {
   std::string shape_;
   View view_;
   QuantizedWorld<View> bytes_;
-  QuantizedWorld<View, std::uint16_t> words_;
   Bvh<View> bvh_;
   Options options_;
   std::vector<Query> queries_;
@@ -197,24 +192,15 @@ void AddThreads(const Table& threads, Table& table) {
   for (const std::string& note : threads.notes) table.notes.push_back(note);
 }
 
-Tables AnswerTables(Run& run) {
+Table AnswersTable(Run& run) {
   Table table{"answers",
               "what to use on this machine",
               {Key("question"), Key("use"), Value("times as fast as"),
                Value("the next best")}};
-  Table all{"answers: ways",
-            "every way to a list of survivors, with exact tests",
-            {Key("shape"), Key("structure"), Key("precision"),
-             Value("survivors", "", 1), Lower("time", "us", 3)}};
   constexpr std::size_t kMostObjects = std::size_t{1} << 20;
   const AaboWorld3 world = Thinned(
       run.Measured().objects, run.is_quick() ? kMostObjects / 8 : kMostObjects);
   const std::vector<Way> ways = MeasureWays(run, world);
-  for (const Way& way : ways) {
-    const Ratio ns = SpreadOf(way.time);
-    all.Add({way.shape, way.structure, way.precision, way.survivors,
-             Ratio{ns.median / 1e3, ns.low / 1e3, ns.high / 1e3}});
-  }
   AddWays(
       table, "shape", ways,
       [&](const Way& way) { return way.shape != ways.front().shape; },
@@ -250,8 +236,7 @@ Tables AnswerTables(Run& run) {
         Mebibytes(WorkingSetSizes(run.machine).back().bytes) +
         " for the simplex.");
   }
-  if (run.is_page()) return {table};
-  return {table, all};
+  return table;
 }
 
 // ---- Which structure, for how many queries between two changes of the world.
@@ -374,9 +359,7 @@ Tables RunAnswers(Run& run) {
              {},
              {"The CPU is emulated: there are no answers."}}};
   }
-  Tables tables = AnswerTables(run);
-  tables.push_back(StructuresTable(run));
-  return tables;
+  return {AnswersTable(run), StructuresTable(run)};
 }
 
 }  // namespace halfspace::bench

@@ -11,22 +11,18 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <system_error>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "bench/base/text.h"
 #include "bench/baselines/body_space.h"
-#include "bench/measure/machine.h"
 #include "bench/measure/team.h"
 #include "bench/sections/contest.h"
 #include "bench/sections/sections.h"
 #include "bench/worlds/body_scene.h"
 #include "halfspace/bvh.h"
-#include "halfspace/bvh_nearest.h"
 #include "halfspace/bvh_pairs.h"
-#include "halfspace/bvh_shapes.h"
 
 namespace halfspace::bench {
 namespace {
@@ -36,7 +32,7 @@ using Ns = std::vector<double>;
 
 struct Result {
   Table times{"broad_phase",
-              "frames and queries, next to the broad phases of others",
+              "frames, next to the broad phases of others",
               {Key("world"), Key("bodies"), Key("what"), Key("by"),
                Lower("time", "us", 3), Higher("times the fastest")}};
   Table changes{
@@ -114,56 +110,8 @@ class OurSpace : public BodySpace<kDims> {
     });
   }
 
-  void Find(const BodyQuery<kDims>& query,
-            std::vector<std::uint32_t>& found) const override {
-    using Kind = typename BodyQuery<kDims>::Kind;
-    const auto ask = [&](const auto& shape) {
-      if (query.is_first) {
-        const auto any = AnySurvivor(space_.world, shape);
-        if (any) found.push_back(*any);
-        return;
-      }
-      ForEachSurvivor(space_.world, shape, [&](Span<const std::uint32_t> ids) {
-        found.insert(found.end(), ids.begin(), ids.end());
-      });
-    };
-    if (query.kind == Kind::kBox) ask(query.box);
-    if (query.kind == Kind::kSphere) ask(query.sphere);
-    if (query.kind == Kind::kOrientedBox) ask(query.oriented);
-  }
-  void Cast(const BodyCast<kDims>& cast, CastHits& hits) const override {
-    const auto hit = [&](std::uint32_t, float t) {
-      ++hits.count;
-      if (cast.is_closest) hits.limit = std::min(hits.limit, t);
-      return Limit{hits.limit};
-    };
-    if (cast.IsRay()) {
-      RayCast(space_.world,
-              Ray<kDims>{cast.box.min, cast.direction, cast.max_t}, hit);
-    } else {
-      BoxCast(space_.world, cast.box, cast.direction, cast.max_t, hit);
-    }
-  }
-
  private:
   Space space_;
-};
-
-struct Path {
-  const char* name;
-  float length;  // 0: through the world
-  float side;
-  bool is_closest;
-};
-constexpr std::array kPaths = {
-    Path{"ray of 10, closest", 10, 0, true},
-    Path{"ray of 10, all", 10, 0, false},
-    Path{"ray through the world, closest", 0, 0, true},
-    Path{"ray through the world, all", 0, 0, false},
-    Path{"box cast of 10, closest", 10, 1, true},
-    Path{"box cast of 10, all", 10, 1, false},
-    Path{"box cast through the world, closest", 0, 1, true},
-    Path{"box cast through the world, all", 0, 1, false},
 };
 
 // All broad phases on one scene.
@@ -173,13 +121,11 @@ class BodyContest {
   using Boxes = std::vector<Box>;
   using Scene = BodyScene<kDims>;
   using Space = BodySpace<kDims>;
-  using Kind = typename BodyQuery<kDims>::Kind;
 
  public:
   BodyContest(Run& run, BodyKind kind, std::size_t bodies, Result& result)
       : run_(run),
         scene_(kind, bodies, run.options.seed),
-        seed_(run.options.seed),
         result_(result),
         world_(std::string(NameOf(kind)) + (kDims == 2 ? " 2D" : " 3D")),
         all_(scene_.AllIds()) {
@@ -238,24 +184,7 @@ class BodyContest {
     Time(contest, what);
   }
 
-  void RunQueries() {
-    for (const Contestant& contestant : contestants_) {
-      for (std::size_t s = 1; s < 5; ++s) {
-        contestant.space->Step(all_, scene_.At(all_, s));
-      }
-    }
-    boxes_ = scene_.At(all_, 4);
-    RunQuery("point", Kind::kBox, 0, false);
-    RunQuery("box of 2", Kind::kBox, 2, false);
-    RunQuery("sphere of 2", Kind::kSphere, 2, false);
-    RunQuery("oriented box of 2", Kind::kOrientedBox, 2, false);
-    RunQuery("first hit of a box of 1", Kind::kBox, 1, true);
-    for (const Path& path : kPaths) RunCast(path);
-  }
-
  private:
-  static constexpr std::size_t kChecked = 200;
-
   struct Contestant {
     std::string name;
     Who who;
@@ -318,150 +247,6 @@ class BodyContest {
                : "the pairs are not those of a BVH";
   }
 
-  BodyQuery<kDims> MakeQuery(Kind kind, float side, bool is_first,
-                             Random& random) const {
-    BodyQuery<kDims> query{kind, is_first, scene_.AnyBox(side, random), {}, {}};
-    Point<kDims> center;
-    for (std::size_t k = 0; k < kDims; ++k) {
-      center[k] = 0.5f * (query.box.min[k] + query.box.max[k]);
-    }
-    query.sphere = {center, 0.5f * side};
-    if (kind != Kind::kOrientedBox) return query;
-    query.oriented.center = center;
-    const Point<kDims> x = Scene::AnyDirection(random);
-    query.oriented.axes[0] = x;
-    if constexpr (kDims == 2) {
-      query.oriented.axes[1] = {-x[1], x[0]};
-    } else {
-      // Any direction at a right angle, and the cross product.
-      const float length = std::hypot(x[0], x[1]);
-      const Point<3> y = {-x[1] / length, x[0] / length, 0};
-      query.oriented.axes[1] = y;
-      query.oriented.axes[2] = {x[1] * y[2] - x[2] * y[1],
-                                x[2] * y[0] - x[0] * y[2],
-                                x[0] * y[1] - x[1] * y[0]};
-    }
-    for (std::size_t k = 0; k < kDims; ++k) {
-      query.oriented.half_extents[k] = 0.5f * side;
-      float reach = 0;
-      for (const Point<kDims>& axis : query.oriented.axes) {
-        reach += 0.5f * side * std::abs(axis[k]);
-      }
-      query.box.min[k] = center[k] - reach;
-      query.box.max[k] = center[k] + reach;
-    }
-    return query;
-  }
-
-  void RunQuery(const char* name, Kind kind, float side, bool is_first) {
-    Random random(seed_ + 2);
-    std::vector<BodyQuery<kDims>> queries(kTimedQueries);
-    for (BodyQuery<kDims>& query : queries) {
-      query = MakeQuery(kind, side, is_first, random);
-    }
-    std::vector<Ids> expected(kChecked);
-    for (std::size_t q = 0; q < kChecked; ++q) {
-      for (std::uint32_t id : all_) {
-        if (queries[q].Finds(boxes_[id])) expected[q].push_back(id);
-      }
-    }
-    Contest contest(run_, PlaceOf(name));
-    for (const Contestant& contestant : contestants_) {
-      const auto find =
-          [this, &space = *contestant.space](const BodyQuery<kDims>& query) {
-            ids_.clear();
-            space.Find(query, ids_);
-          };
-      Case c = InTurn("", queries, kTimedQueries, QueriesOfRun(20000), find);
-      c.check = [&, find]() -> std::string {
-        std::size_t wrong = 0;
-        for (std::size_t q = 0; q < kChecked; ++q) {
-          find(queries[q]);
-          std::sort(ids_.begin(), ids_.end());
-          const bool is_right =
-              is_first
-                  ? ids_.empty() == expected[q].empty() &&
-                        std::includes(expected[q].begin(), expected[q].end(),
-                                      ids_.begin(), ids_.end())
-                  : ids_ == expected[q];
-          wrong += is_right ? 0 : 1;
-        }
-        return Wrong(wrong, kChecked, kind != Kind::kBox);
-      };
-      contest.Add(contestant.name, "", contestant.who, std::move(c));
-    }
-    Time(contest, name);
-  }
-
-  void RunCast(const Path& path) {
-    Random random(seed_ + 3);
-    std::vector<BodyCast<kDims>> casts(kTimedQueries);
-    const float length = scene_.world().max[0] * std::sqrt(float{kDims});
-    for (BodyCast<kDims>& cast : casts) {
-      cast.is_closest = path.is_closest;
-      cast.box = scene_.AnyBox(path.side, random);
-      cast.direction = Scene::AnyDirection(random);
-      cast.max_t = path.length > 0 ? path.length : 2 * length;
-      for (std::size_t k = 0; k < kDims; ++k) {
-        cast.inverse[k] = 1 / cast.direction[k];
-        if (path.length > 0) continue;
-        cast.box.min[k] -= length * cast.direction[k];
-        cast.box.max[k] = cast.box.min[k] + path.side;
-      }
-    }
-    std::vector<CastHits> expected;
-    for (std::size_t q = 0; q < kChecked; ++q) {
-      expected.push_back({0, casts[q].max_t});
-      for (const Box& box : boxes_) expected.back().Test(casts[q], box);
-    }
-    Contest contest(run_, PlaceOf(path.name));
-    for (const Contestant& contestant : contestants_) {
-      const Space& space = *contestant.space;
-      if (!(path.side > 0 ? space.CanCastBoxes() : space.CanCast())) continue;
-      const auto find = [&space](const BodyCast<kDims>& cast) {
-        CastHits hits{0, cast.max_t};
-        space.Cast(cast, hits);
-        KeepResult(static_cast<std::uint32_t>(hits.count));
-        return hits;
-      };
-      Case c = InTurn(
-          "", casts, kTimedQueries,
-          QueriesOfRun(path.length > 0 ? 20000 : 2000),
-          [find](const BodyCast<kDims>& cast) { std::ignore = find(cast); });
-      c.check = [&, find]() -> std::string {
-        std::size_t wrong = 0;
-        std::size_t all = 0;
-        for (std::size_t q = 0; q < kChecked; ++q) {
-          const CastHits hits = find(casts[q]);
-          if (path.is_closest) {
-            const float off = std::abs(hits.limit - expected[q].limit);
-            wrong += off <= 1e-5f * (100 + casts[q].max_t) ? 0 : 1;
-            ++all;
-          } else {
-            wrong += std::max(hits.count, expected[q].count) -
-                     std::min(hits.count, expected[q].count);
-            all += expected[q].count;
-          }
-        }
-        return Wrong(wrong, all, true);
-      };
-      contest.Add(contestant.name, "", contestant.who, std::move(c));
-    }
-    Time(contest, path.name);
-  }
-
-  std::size_t QueriesOfRun(std::size_t queries) const {
-    return run_.is_quick() ? queries / 20 : queries;
-  }
-
-  // Of rounded tests, one in a hundred may differ where shapes just touch.
-  static std::string Wrong(std::size_t wrong, std::size_t all,
-                           bool is_rounded) {
-    if (wrong <= (is_rounded ? all / 100 + 1 : 0)) return {};
-    return std::to_string(wrong) + " of " + std::to_string(all) +
-           " answers are not those of a loop over the bodies";
-  }
-
   void Time(Contest& contest, const std::string& what) {
     contest.Time(std::min<std::size_t>(run_.effort.repetitions,
                                        scene_.size() < 10'000 ? 5 : 3));
@@ -475,14 +260,11 @@ class BodyContest {
 
   Run& run_;
   Scene scene_;
-  std::uint64_t seed_;
   Result& result_;
   std::string world_;
   Ids all_;
   std::vector<Contestant> contestants_;
-  Boxes boxes_;  // while queries run
   std::vector<IndexPair> found_;
-  Ids ids_;
 };
 
 // A broad phase and a Bvh of the same bodies: each step of a frame by itself,
@@ -555,34 +337,6 @@ class BodyChanges {
         {*std::max_element(ns[0].begin(), ns[0].end())});
     Add(what + "pairs", moved.size(), ns[3], ns[1]);
     Add(what + "pairs and events, over pairs", moved.size(), ns[4], ns[1]);
-  }
-
-  // Bodies that do not move, and moves by themselves.
-  void RunMoves() {
-    const Boxes moved = scene_.At(all_, 1);
-    const auto update = [&] { space_.Update(); };
-    const std::vector<Ns> ns =
-        TimeSteps(Rounds(), 0, [](std::size_t) {},
-                  {[&] {
-                     space_.Move(all_, boxes_);
-                     space_.Update();
-                   },
-                   [&] { space_.Move(all_, moved); }, update,
-                   [&] {
-                     for (std::size_t i = 0; i < all_.size(); ++i) {
-                       space_.Move(all_[i], boxes_[i]);
-                     }
-                   },
-                   update});
-    Add("still bodies, move and update", all_.size(), ns[0]);
-    Add("moves of a list", all_.size(), ns[1]);
-    Add("single moves", all_.size(), ns[3]);
-    result_.changes.notes.push_back(
-        world_ + ", " + Grouped(all_.size()) + " bodies: " +
-        Fixed(static_cast<double>(space_.Statistics().bytes) /
-                  static_cast<double>(all_.size()),
-              0) +
-        " bytes each.");
   }
 
   // A move before each query.
@@ -661,54 +415,6 @@ class BodyChanges {
     }
   }
 
-  // Two threads that move and query all the time, each a half of the bodies,
-  // next to one that does all of it. CPU time, so that other programs do not
-  // count.
-  void RunThreads() {
-    if (UsableCpus() < 2) {
-      result_.changes.notes.push_back(
-          "Not measured: two threads. This run may use one CPU.");
-      return;
-    }
-    const Boxes moved = scene_.At(all_, 1);
-    const auto work = [&](std::size_t begin, std::size_t end) {
-      std::size_t found = 0;
-      for (const Boxes* to : {&moved, &std::as_const(boxes_)}) {
-        constexpr std::size_t kSome = 16;
-        for (std::size_t i = begin; i < end; i += kSome) {
-          const std::size_t count = std::min(kSome, end - i);
-          space_.Move({all_.data() + i, count}, {to->data() + i, count});
-          for (std::size_t q = i; q < i + count; ++q) {
-            found += CountOf(space_, moved[q]);
-          }
-        }
-      }
-      KeepResult(static_cast<std::uint32_t>(found));
-    };
-    std::array<Ns, 2> ns;
-    try {
-      for (std::size_t r = 0; r < Rounds(); ++r) {
-        for (std::size_t threads : {1, 2}) {
-          std::array<double, 2> of_thread{};
-          RunTeam(threads, [&](std::size_t thread) {
-            const std::size_t share = all_.size() / threads;
-            of_thread[thread] = CpuNanoseconds([&] {
-              work(thread * share,
-                   thread + 1 == threads ? all_.size() : (thread + 1) * share);
-            });
-          });
-          ns[threads - 1].push_back(std::max(of_thread[0], of_thread[1]));
-          space_.Update();
-        }
-      }
-      Add("moves and queries, one thread", all_.size(), ns[0]);
-      Add("moves and queries, two threads", all_.size(), ns[1]);
-    } catch (const std::system_error& error) {
-      result_.changes.notes.push_back(
-          std::string("Not measured: two threads. ") + error.what());
-    }
-  }
-
  private:
   template <typename World>
   static std::size_t CountOf(const World& world, const Box& query) {
@@ -756,14 +462,6 @@ void AddParts(Run& run, std::size_t most, Result& result, Parts& parts) {
           BodyContest<kDims>(run, kind, bodies, result).RunFrames(percent);
         });
       }
-      const bool has_queries =
-          kind == BodyKind::kGas ? bodies > 1000
-                                 : bodies == std::min<std::size_t>(most, 16384);
-      if (has_queries) {
-        parts.emplace_back([&run, &result, kind, bodies] {
-          BodyContest<kDims>(run, kind, bodies, result).RunQueries();
-        });
-      }
       parts.emplace_back([&run, &result, kind, bodies] {
         for (std::size_t percent : {1, 10, 100}) {
           BodyChanges<kDims>(run, kind, bodies, result).RunFrames(percent);
@@ -782,17 +480,12 @@ Tables RunBroadPhase(Run& run) {
   Parts parts;
   AddParts<3>(run, most, result, parts);
   AddParts<2>(run, most, result, parts);
-  for (std::size_t bodies : UpTo(most, {1024, 4096, 16384, 65536})) {
-    parts.emplace_back([&, bodies] {
-      BodyChanges<3> changes(run, BodyKind::kGas, bodies, result);
-      changes.RunMoves();
-      changes.RunThreads();
-      if (bodies != most) return;
-      changes.RunAlternation(true);
-      changes.RunAlternation(false);
-      changes.RunInserts();
-    });
-  }
+  parts.emplace_back([&] {
+    BodyChanges<3> changes(run, BodyKind::kGas, most, result);
+    changes.RunAlternation(true);
+    changes.RunAlternation(false);
+    changes.RunInserts();
+  });
   RunParts(run, parts);
   return {result.times, result.changes};
 }

@@ -51,7 +51,7 @@ class BuildGroup {
              const Workload& workload, const std::vector<Target>& targets)
       : working_set_(size.name),
         source_(MakeBuildSource(kind, workload, size.bytes)),
-        rounds_(std::max<std::size_t>(1, kObjectsPerRun / source_.items)) {
+        rounds_(std::max<std::size_t>(1, kObjectsPerRun / source_.objects)) {
     // Stores past the caches only lose in them.
     copies_ = IsInCache(size) ? 1 : 2;
     for (std::size_t c = 0; c < copies_; ++c) AddCopy(/*streamed=*/c == 1);
@@ -71,8 +71,6 @@ class BuildGroup {
     for (const auto& stream : source_.copy.writes) {
       bytes += static_cast<double>(stream.object_bytes);
     }
-    const double bytes_per_item = bytes * static_cast<double>(source_.objects) /
-                                  static_cast<double>(source_.items);
     // The faster copy is the ceiling.
     const Timing& copy = *std::min_element(
         timings.begin(), timings.begin() + static_cast<std::ptrdiff_t>(copies_),
@@ -82,7 +80,7 @@ class BuildGroup {
     for (std::size_t i = 0; i < rows_.size(); ++i) {
       const Timing& timing = timings[copies_ + i];
       Row& row = rows_[i];
-      row.insert(row.end(), {timing.Median(), bytes_per_item / timing.Median(),
+      row.insert(row.end(), {timing.Median(), bytes / timing.Median(),
                              RatioOf(copy, timing).Percent()});
       table.Add(row);
     }
@@ -92,7 +90,7 @@ class BuildGroup {
   Case MakeCase(std::string name) const {
     Case c;
     c.name = std::move(name);
-    c.items = static_cast<double>(source_.items * rounds_);
+    c.items = static_cast<double>(source_.objects * rounds_);
     return c;
   }
 
@@ -108,8 +106,7 @@ class BuildGroup {
 
   void AddBuild(Target target, const Rounding& rounding) {
     rows_.push_back({source_.shapes, source_.planes, rounding.name,
-                     NameOf(target), working_set_, source_.objects,
-                     source_.items == source_.objects ? "object" : "point"});
+                     NameOf(target), working_set_, source_.objects});
     Case c = MakeCase("build/" + working_set_ + "/" + NameOf(target) + "/" +
                       source_.shapes + "-to-" + source_.planes + "/" +
                       rounding.name);
@@ -300,7 +297,7 @@ Tables RunBuild(Run& run) {
   Table builds{"build",
                "bulk builders against copying the same bytes",
                {Key("shapes"), Key("planes"), Key("rounding"), Key("target"),
-                Key("set"), Key("objects"), Key("item"), Value("ns/item"),
+                Key("set"), Key("objects"), Value("ns/item"),
                 Value("GB/s", "", 1), Higher("% of copy", "", 0)}};
   const Workload& workload = run.Measured();
   const std::vector<WorkingSetSize> sizes = run.Reached({"L2", "memory"});

@@ -446,11 +446,6 @@ void RunSearches(Run& run, const BoxSet<3>& set, Target target,
   const std::string target_name = NameOf(target);
   const Bvh3 world(set.boxes);
   Random random(run.options.seed);
-  const auto any_point = [&] {
-    Point<3> point;
-    for (float& x : point) x = kHalfWorld * random.Signed();
-    return point;
-  };
   Ids found(set.boxes.size());
   const auto itself = [](const auto&, std::size_t count) { return count; };
 
@@ -458,20 +453,13 @@ void RunSearches(Run& run, const BoxSet<3>& set, Target target,
   constexpr float kHalfSide = 0.4642f * kHalfWorld;
   std::vector<Aabb3> large(kTimedQueries);
   std::vector<Point<3>> points(kTimedQueries);
-  std::vector<Segment<3>> segments(kTimedQueries);
   for (std::size_t q = 0; q < kTimedQueries; ++q) {
     for (std::size_t k = 0; k < 3; ++k) {
       const float center = (kHalfWorld - kHalfSide) * random.Signed();
       large[q].min[k] = center - kHalfSide;
       large[q].max[k] = center + kHalfSide;
     }
-    points[q] = any_point();
-    // 0.3 of the way from one point to another.
-    segments[q] = {any_point(), any_point()};
-    for (std::size_t k = 0; k < 3; ++k) {
-      segments[q].b[k] =
-          segments[q].a[k] + 0.3f * (segments[q].b[k] - segments[q].a[k]);
-    }
+    for (float& x : points[q]) x = kHalfWorld * random.Signed();
   }
 
   {
@@ -539,26 +527,6 @@ void RunSearches(Run& run, const BoxSet<3>& set, Target target,
     }
     nearest.Time(set.boxes.size(), result.queries);
   }
-  found.resize(set.boxes.size());
-  Search<Segment<3>> along(run, "along a segment", segments);
-  along.Add(
-      "ids", target_name, Who::kOurs, 1000,
-      [&](const Segment<3>& segment) {
-        return Survivors(world, segment, found, {.target = target});
-      },
-      itself);
-  Ids listed;
-  for (const auto& competitor : Registered<LineTree>::All()) {
-    along.Add(
-        competitor.name, "", Who::kCompetitor, 200,
-        [&listed, tree = std::shared_ptr<const LineTree>(
-                      competitor.make(set.boxes))](const Segment<3>& segment) {
-          tree->Along(segment, listed);
-          return listed.size();
-        },
-        itself);
-  }
-  along.Time(set.boxes.size(), result.queries);
 }
 
 bool HasMemoryFor(std::size_t objects) {

@@ -170,8 +170,7 @@ ExactTest Run::TheExactTest() {
 }
 
 void Run::AddVerdictGroup() {
-  if (!verdict_)
-    verdict_ = std::make_unique<Verdict>(*this, LibraryColumns(*this));
+  if (!verdict_) verdict_ = std::make_unique<Verdict>(*this);
   if (verdict_->groups() < kGroups) verdict_->AddGroup(*this);
 }
 

@@ -187,36 +187,8 @@ std::string PromiseText(const Verdict& verdict, std::size_t cells) {
          Grouped(verdict.queries()) + " different queries.";
 }
 
-Table CrossingsTable(const Verdict& verdict, std::string name,
-                     const ExactTest& exact) {
-  const std::vector<double> sizes = SizesOf(verdict);
-  Table table{
-      std::move(name),
-      "the sizes from which on the simplex is faster, and from which on "
-      "the box is faster again",
-      {Key("target"), Key("exact test"), Value("simplex from", "%", 2),
-       Value("box from", "%", 2)}};
-  for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
-    const auto cell = [&](const Ratio& size) {
-      const Cell measured = CellOf(size);
-      return measured.value ? measured : Cell(EndText(size.median, sizes));
-    };
-    const auto add = [&](const std::string& test, const Crossings& sizes_of) {
-      table.Add({verdict.columns()[c].name, test, cell(sizes_of.from),
-                 cell(sizes_of.to)});
-    };
-    add("none", verdict.CrossingsOf(c));
-    add(exact.name, verdict.CrossingsWithExact(c));
-  }
-  table.notes = {
-      "The simplex is faster between the two sizes. < and >: beyond those that "
-      "were measured, " +
-      MeasuredText(sizes) + "."};
-  return table;
-}
-
-Table TimesTable(const Verdict& verdict, std::string name) {
-  Table times{std::move(name),
+Table TimesTable(const Verdict& verdict) {
+  Table times{"verdict: times",
               "ns per object, and the range of the groups",
               {Key("size"), Key("target"), Key("shape"), Key("schedule"),
                Value("time", "ns", 4), Value("over the flat simplex", "", 3)}};
@@ -366,20 +338,6 @@ std::vector<Contender> LibraryContenders() {
   return contenders;
 }
 
-std::string ColumnName(Target target, std::size_t lanes) {
-  return NameOf(target) + (lanes == 1 ? "" : ", " + std::to_string(lanes));
-}
-
-std::vector<VerdictColumn> LibraryColumns(const Run& run) {
-  std::vector<VerdictColumn> columns;
-  for (std::size_t t = run.targets.size(); t-- > 0;) {
-    const Target target = run.targets[t];
-    columns.push_back({ColumnName(target, LoopsFor(target).one_query_lanes()),
-                       target, LibraryContenders()});
-  }
-  return columns;
-}
-
 // What is measured at one size, for one group.
 struct Verdict::Place {
   std::unique_ptr<WorkingSet> set;
@@ -393,10 +351,15 @@ struct Verdict::Times {
   double box = 0.0;
 };
 
-Verdict::Verdict(Run& run, std::vector<VerdictColumn> columns)
-    : best_target_(run.best()),
-      columns_(std::move(columns)),
-      effort_(run.effort) {
+Verdict::Verdict(Run& run) : best_target_(run.best()), effort_(run.effort) {
+  // The narrowest first.
+  for (std::size_t t = run.targets.size(); t-- > 0;) {
+    const Target target = run.targets[t];
+    const std::size_t lanes = LoopsFor(target).one_query_lanes();
+    columns_.push_back(
+        {NameOf(target) + (lanes == 1 ? "" : ", " + std::to_string(lanes)),
+         target, LibraryContenders()});
+  }
   if (run.options.repetitions == 0) effort_.repetitions = kRepetitions;
   effort_.repetitions = std::min(effort_.repetitions, kRepetitions);
   effort_.seconds_per_repetition /= 6.0;
@@ -455,13 +418,10 @@ Verdict::Times Verdict::TimePlace(Run& run, Place& place, std::size_t column,
                                   const Effort& effort) const {
   std::vector<Case> cases;
   const auto& [column_name, target, contenders] = columns_[column];
-  for (const auto& [shape, schedule, how, loop] : contenders) {
-    const std::string name =
-        "verdict/" + column_name + "/" + NameOf(shape) + "/" + schedule;
-    cases.push_back(
-        loop ? place.set->LoopCase(name, shape, loop)
-             : place.set->LibraryCase(name, shape,
-                                      {.schedule = how, .target = target}));
+  for (const auto& [shape, schedule, how] : contenders) {
+    cases.push_back(place.set->LibraryCase(
+        "verdict/" + column_name + "/" + NameOf(shape) + "/" + schedule, shape,
+        {.schedule = how, .target = target}));
     // Other groups differ in their places in memory alone.
     if (groups_ != 0) cases.back().check = nullptr;
   }
@@ -578,27 +538,6 @@ Crossings Verdict::CrossingsWithExact(std::size_t column) const {
   return RangesOf(spans_with_exact_[column]);
 }
 
-Tables VerdictTables(Run& run, const Verdict& verdict, const std::string& name,
-                     const std::string& title) {
-  const ExactTest exact = run.TheExactTest();
-  const std::size_t cells = verdict.worlds().size() * verdict.columns().size();
-  Tables tables = {TableOf(verdict, name, title + ", one query, L2", 0.0)};
-  tables[0].lead = LeadOf(verdict, exact.ns.median);
-  tables[0].notes.push_back(
-      PromiseText(verdict, run.is_page() ? cells : 2 * cells));
-  if (run.is_page()) return tables;
-  tables.push_back(TableOf(verdict, name + ": with exact tests",
-                           "the same with an exact test of " +
-                               Fixed(exact.ns.median, 0) + " ns (" +
-                               exact.name + ") of each survivor",
-                           exact.ns.median));
-  if (!verdict.is_of_file()) {
-    tables.push_back(CrossingsTable(verdict, name + ": sizes", exact));
-  }
-  tables.push_back(TimesTable(verdict, name + ": times"));
-  return tables;
-}
-
 Tables RunVerdict(Run& run) {
   if (run.machine.is_emulated) {
     return {{"verdict",
@@ -608,9 +547,24 @@ Tables RunVerdict(Run& run) {
              {"Not measured: the CPU is emulated, and its times mean "
               "nothing."}}};
   }
-  return VerdictTables(
-      run, run.TheVerdict(), "verdict",
-      "time of the best float box scan / time of the best simplex scan");
+  const Verdict& verdict = run.TheVerdict();
+  const ExactTest exact = run.TheExactTest();
+  const std::size_t cells = verdict.worlds().size() * verdict.columns().size();
+  Tables tables = {TableOf(verdict, "verdict",
+                           "time of the best float box scan / time of the best "
+                           "simplex scan, one query, L2",
+                           0.0)};
+  tables[0].lead = LeadOf(verdict, exact.ns.median);
+  tables[0].notes.push_back(
+      PromiseText(verdict, run.is_page() ? cells : 2 * cells));
+  if (run.is_page()) return tables;
+  tables.push_back(TableOf(verdict, "verdict: with exact tests",
+                           "the same with an exact test of " +
+                               Fixed(exact.ns.median, 0) + " ns (" +
+                               exact.name + ") of each survivor",
+                           exact.ns.median));
+  tables.push_back(TimesTable(verdict));
+  return tables;
 }
 
 }  // namespace halfspace::bench

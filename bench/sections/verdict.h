@@ -31,8 +31,7 @@ const char* NameOf(Winner winner);
 struct Contender {
   ShapeKind shape;
   const char* schedule;
-  Schedule how = {};           // of the library
-  WorkingSet::Scan loop = {};  // in place of the library, if it is not empty
+  Schedule how;
 };
 
 // Those of the library. Both bounds choose from equally many schedules.
@@ -47,16 +46,10 @@ double BestTime(std::span<const std::vector<double>> samples);
 // A target and the lanes of its vectors. The contenders are ordered by shape,
 // the simplex first. Of each shape, the schedules flat and staged come last.
 struct VerdictColumn {
-  std::string name;  // "AVX2, 8"
+  std::string name;  // "AVX2, 8", or "scalar"
   Target target;
   std::vector<Contender> contenders;
 };
-
-// "AVX2, 8", or "scalar".
-std::string ColumnName(Target target, std::size_t lanes);
-
-// What the library has for each target, the narrowest first.
-std::vector<VerdictColumn> LibraryColumns(const Run& run);
 
 // One world and column.
 struct VerdictCell {
@@ -115,7 +108,7 @@ std::vector<std::string> ExactRatioLead(const RatioRow& row, double exact_ns);
 
 class Verdict {
  public:
-  Verdict(Run& run, std::vector<VerdictColumn> columns);
+  explicit Verdict(Run& run);
   ~Verdict();
 
   void AddGroup(Run& run);
@@ -160,10 +153,6 @@ class Verdict {
   WorkingSetSize size_;
   Effort effort_;
 };
-
-// The tables of a verdict, in a section of that name.
-Tables VerdictTables(Run& run, const Verdict& verdict, const std::string& name,
-                     const std::string& title);
 
 }  // namespace halfspace::bench
 

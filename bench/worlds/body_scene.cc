@@ -121,38 +121,13 @@ std::vector<Aabb<kDims>> BodyScene<kDims>::At(const Ids& ids,
 }
 
 template <int kDims>
-Point<kDims> BodyScene<kDims>::AnyPoint(Random& random) const {
-  Point<kDims> point;
-  for (std::size_t k = 0; k < kDims; ++k) {
-    point[k] = world_.max[k] * Uniform(random);
-  }
-  return point;
-}
-
-template <int kDims>
 Aabb<kDims> BodyScene<kDims>::AnyBox(float side, Random& random) const {
-  Box box = {AnyPoint(random), {}};
+  Box box;
   for (std::size_t k = 0; k < kDims; ++k) {
-    box.min[k] -= 0.5f * side;
+    box.min[k] = world_.max[k] * Uniform(random) - 0.5f * side;
     box.max[k] = box.min[k] + side;
   }
   return box;
-}
-
-template <int kDims>
-Point<kDims> BodyScene<kDims>::AnyDirection(Random& random) {
-  for (;;) {
-    Point<kDims> direction = PointInUnitSphere<kDims>(random);
-    float square = 0;
-    bool has_zero = false;
-    for (float x : direction) {
-      square += x * x;
-      has_zero |= x == 0;
-    }
-    if (has_zero || square < 0.01f) continue;
-    for (float& x : direction) x /= std::sqrt(square);
-    return direction;
-  }
 }
 
 template class BodyScene<2>;

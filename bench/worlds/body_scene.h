@@ -36,17 +36,13 @@ class BodyScene {
   BodyScene(BodyKind kind, std::size_t bodies, std::uint64_t seed);
 
   std::size_t size() const { return boxes_.size(); }
-  const Box& world() const { return world_; }
   Ids AllIds() const;
   // The same ones in each frame.
   Ids Some(std::size_t percent) const;
   // The boxes of these bodies in a state.
   std::vector<Box> At(const Ids& ids, std::size_t state) const;
-  // A place in the world, a box of that side there, and a direction of length
-  // 1.
-  Point<kDims> AnyPoint(Random& random) const;
+  // A box of that side somewhere in the world.
   Box AnyBox(float side, Random& random) const;
-  static Point<kDims> AnyDirection(Random& random);
 
  private:
   Box world_;

@@ -9,7 +9,6 @@
 
 #include "bench/base/aligned_vector.h"
 #include "bench/inner/target_loops.h"
-#include "bench/worlds/random.h"
 #include "halfspace/fit.h"
 
 namespace halfspace::bench {
@@ -36,7 +35,6 @@ BuildSource SourceOf(std::string shapes, std::size_t objects) {
   source.shapes = std::move(shapes);
   source.planes = "aabo";
   source.objects = objects;
-  source.items = objects;
   source.copy.objects = objects;
   source.built = std::make_shared<AaboWorld3>();
   source.built->Resize(objects);
@@ -149,48 +147,6 @@ BuildSource MakeTriangles(const Workload& workload, std::size_t bytes) {
   return source;
 }
 
-struct PointSets {
-  std::array<AlignedVector<float>, 3> coords;
-  AlignedVector<std::size_t> ends;
-
-  PointsSoa3 points(std::size_t first, std::size_t count) const {
-    return {{&coords[0][first], &coords[1][first], &coords[2][first]}, count};
-  }
-};
-
-// Points within the boxes.
-BuildSource MakePointSets(const Workload& workload, std::size_t bytes) {
-  BuildSource source =
-      SourceOf("point-sets", ObjectsFor(bytes, kPointsOfSet * 12 + 8 + 32));
-  source.items = source.objects * kPointsOfSet;
-  auto sets = std::make_shared<PointSets>();
-  Random random(1);
-  for (std::size_t i = 0; i < source.objects; ++i) {
-    const Aabb3 box = BoxOf(workload, i);
-    const Point<3> middle = MiddleOf(box);
-    for (std::size_t k = 0; k < 3; ++k) {
-      for (std::size_t p = 0; p < kPointsOfSet; ++p) {
-        sets->coords[k].push_back(middle[k] +
-                                  random.Signed() * (box.max[k] - middle[k]));
-      }
-    }
-    sets->ends.push_back((i + 1) * kPointsOfSet);
-  }
-  for (const auto& column : sets->coords) {
-    Read(source, column.data(), column.size());
-  }
-  Read(source, sets->ends.data(), sets->ends.size());
-  source.build = [sets, built = source.built](const FitOptions& options,
-                                              FitStatus* status) {
-    return BoundPointSets(sets->points(0, sets->coords[0].size()), sets->ends,
-                          built->planes(), options, status);
-  };
-  source.single = [sets](std::size_t i) {
-    return BoundPoints(sets->points(i * kPointsOfSet, kPointsOfSet));
-  };
-  return source;
-}
-
 constexpr std::size_t kChecked = 64;
 
 std::string WrongBound(const Aabo3& built, const Aabo3& single) {
@@ -212,11 +168,9 @@ BuildSource MakeBuildSource(BuildKind kind, const Workload& workload,
     case BuildKind::kSpheres:
       return MakeSpheres(workload, bytes);
     case BuildKind::kTriangles:
-      return MakeTriangles(workload, bytes);
-    case BuildKind::kPointSets:
       break;
   }
-  return MakePointSets(workload, bytes);
+  return MakeTriangles(workload, bytes);
 }
 
 std::string CheckBuild(const BuildSource& source, const FitOptions& options) {

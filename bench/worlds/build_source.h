@@ -14,26 +14,18 @@
 
 namespace halfspace::bench {
 
-enum class BuildKind {
-  kBoxes,
-  kSpheres,
-  kTriangles,
-  kPointSets,
-};
+enum class BuildKind { kBoxes, kSpheres, kTriangles };
 
-inline constexpr std::array<BuildKind, 4> kBuildKinds = {
-    BuildKind::kBoxes, BuildKind::kSpheres, BuildKind::kTriangles,
-    BuildKind::kPointSets};
+inline constexpr std::array<BuildKind, 3> kBuildKinds = {
+    BuildKind::kBoxes, BuildKind::kSpheres, BuildKind::kTriangles};
 
-inline constexpr std::size_t kPointsOfSet = 50;
 inline constexpr std::size_t kDAxis = 3;
 
 struct BuildSource {
   std::string shapes;  // "boxes", "spheres", ...
   std::string planes;  // "aabo"
   std::size_t objects = 0;
-  std::size_t items = 0;  // objects, or the points of all sets
-  CopyJob copy;           // the bytes that a build moves
+  CopyJob copy;  // the bytes that a build moves
 
   // Bounds everything.
   std::function<Target(const FitOptions& options, FitStatus* status)> build;

@@ -79,4 +79,4 @@ if [ ! -s share/man/man1/cpuinfo-bench.1 ]; then
 fi
 
 "$@" bin/cpuinfo-bench --version
-"$@" bin/cpuinfo-bench --details machine,check --objects 4096 --queries 2
+"$@" bin/cpuinfo-bench --details machine,tier --objects 4096 --queries 2 --repetitions 1

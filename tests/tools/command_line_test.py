@@ -46,7 +46,7 @@ MESSAGES = [
     ("--repetitions 0", 2, {"stderr": "repetitions"}),
     (MACHINE + "--out {0}/none/x", 2, {"stderr": "cannot be written"}),
     ("--details quality --mesh {0}/quad.obj", 0, {"stdout": "2 objects, 2 queries"}),
-    ("--details check,quality --bounds {0}/boxes.csv", 0, {"stdout": r"AABB +2 +1\.00"}),
+    ("--details machine,quality --bounds {0}/boxes.csv", 0, {"stdout": r"AABB +2 +1\.00"}),
     # Of the two boxes, the first is touched by one of both queries.
     ("--details quality --bounds {0}/boxes.csv --query-bounds {0}/queries.csv", 0,
      {"stdout": r"AABB +1 +0\.50 +1\.00(.*\n)*.*2 objects, 2 queries"}),

@@ -94,26 +94,6 @@ bool DoTouch(const Aabb<kDims>& a, const Aabb<kDims>& b) {
   return true;
 }
 
-// Clips the segment by one slab after another. The quotients of small integers
-// compare as if they were exact.
-bool DoTouch(const Segment<3>& segment, const Aabb3& box) {
-  double begin = 0;
-  double end = 1;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double a = segment.a[k];
-    const double direction = segment.b[k] - a;
-    if (direction == 0) {
-      if (a < box.min[k] || a > box.max[k]) return false;
-      continue;
-    }
-    const double at_min = (box.min[k] - a) / direction;
-    const double at_max = (box.max[k] - a) / direction;
-    begin = std::max(begin, std::min(at_min, at_max));
-    end = std::min(end, std::max(at_min, at_max));
-  }
-  return begin <= end;
-}
-
 template <typename Query, typename Box>
 std::vector<std::uint32_t> AllThatTouch(const Query& query,
                                         const std::vector<Box>& boxes) {
@@ -249,27 +229,6 @@ TEST(CompetitorsTest, FindTheNearest) {
   }
 }
 
-TEST(CompetitorsTest, FindTheBoxesAlongASegment) {
-  for (const auto& world : Worlds<3>()) {
-    for (const auto& [name, tree] : Competitors<LineTree>(world.boxes)) {
-      SCOPED_TRACE(name + ", " + world.name);
-      std::vector<std::uint32_t> found = {99};
-      for (std::size_t q = 0; q < world.queries.size(); ++q) {
-        const Point<3> a = world.queries[q].min;
-        const Point<3> b = world.queries[(q + 1) % world.queries.size()].max;
-        // As it is, along an axis, in a plane, and a point.
-        for (const Point<3>& end :
-             {b, {a[0], a[1], b[2]}, {a[0], b[1], b[2]}, a}) {
-          const Segment<3> segment{a, end};
-          tree->Along(segment, found);
-          std::sort(found.begin(), found.end());
-          ASSERT_EQ(found, AllThatTouch(segment, world.boxes));
-        }
-      }
-    }
-  }
-}
-
 template <int kDims>
 void ExpectPairs(std::vector<IndexPair> found,
                  const std::vector<Aabb<kDims>>& boxes,
@@ -289,7 +248,6 @@ void ExpectPairs(std::vector<IndexPair> found,
 // Of a few steps, in each of which some bodies go where others were.
 template <int kDims>
 void TestBodySpace(const World<kDims>& world, BodySpace<kDims>& space) {
-  using Kind = typename BodyQuery<kDims>::Kind;
   std::vector<Aabb<kDims>> boxes = world.boxes;
   std::vector<std::uint32_t> ids(boxes.size());
   std::iota(ids.begin(), ids.end(), 0u);
@@ -311,44 +269,6 @@ void TestBodySpace(const World<kDims>& world, BodySpace<kDims>& space) {
     pairs.clear();
     space.PairsOf(ids, pairs);
     ExpectPairs(pairs, boxes, is_moved);
-  }
-  for (const Aabb<kDims>& box : world.queries) {
-    for (bool is_first : {false, true}) {
-      std::vector<std::uint32_t> found;
-      space.Find({Kind::kBox, is_first, box, {}, {}}, found);
-      std::sort(found.begin(), found.end());
-      const auto expected = AllThatTouch(box, boxes);
-      if (is_first) {
-        ASSERT_EQ(found.size(), std::min<std::size_t>(1, expected.size()));
-        ASSERT_TRUE(std::includes(expected.begin(), expected.end(),
-                                  found.begin(), found.end()));
-      } else {
-        ASSERT_EQ(found, expected);
-      }
-    }
-    // A box cast, or a ray from its corner.
-    for (bool is_closest : {false, true}) {
-      const Aabb<kDims> from =
-          space.CanCastBoxes() ? box : Aabb<kDims>{box.min, box.min};
-      BodyCast<kDims> cast{is_closest, from, {}, {}, 2.0f};
-      for (std::size_t k = 0; k < kDims; ++k) {
-        cast.direction[k] = 0.5f + static_cast<float>(k);
-        if (k == 1) cast.direction[k] = -cast.direction[k];
-        cast.inverse[k] = 1 / cast.direction[k];
-      }
-      if (!space.CanCast()) continue;
-      CastHits hits{0, cast.max_t};
-      CastHits expected{0, cast.max_t};
-      space.Cast(cast, hits);
-      for (const Aabb<kDims>& each : boxes) expected.Test(cast, each);
-      // Bullet may miss a body that is only touched, as integers often are.
-      const float any = boxes.front().min[0];
-      if (any == std::trunc(any)) continue;
-      ASSERT_EQ(hits.limit, expected.limit);
-      if (!is_closest) {
-        ASSERT_EQ(hits.count, expected.count);
-      }
-    }
   }
 }
 
