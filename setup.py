@@ -54,6 +54,8 @@ class CMakeBuild(build_ext):
                 "cmake",
                 "--build",
                 str(build),
+                "--config",
+                "Release",
                 "--target",
                 "halfspace_python",
                 "--parallel",

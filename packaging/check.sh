@@ -6,7 +6,7 @@ set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 source "$root/scripts/steps.sh"
 source "$root/scripts/packages.sh"
-install_packages cmake gcc g++ libhwy-dev pkg-config python3 python3-yaml ruby util-linux
+install_packages cmake gcc g++ libhwy-dev pkg-config python3 ruby
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -25,8 +25,7 @@ fi
 exec $(command -v cmake) "\$@"
 END
 chmod +x "$work/bin/cmake"
-export PATH="$work/bin:$PATH"
-export CMAKE_BUILD_PARALLEL_LEVEL=2
+export PATH="$work/bin:$PATH" CMAKE_BUILD_PARALLEL_LEVEL=2
 
 cat >"$work/vcpkg.cmake" <<'END'
 set(work $ENV{work})
@@ -58,15 +57,14 @@ include($ENV{recipes}/vcpkg/portfile.cmake)
 END
 
 cat >"$work/conan.py" <<'END'
-import json, os, pathlib, shutil, subprocess, sys, types, yaml
+import json, os, pathlib, shutil, subprocess, sys, types
 work = os.environ["work"]
 recipes = pathlib.Path(os.environ["recipes"])
 class ConanFile:
     source_folder, package_folder = f"{work}/sources", f"{work}/conan"
-    conan_data = yaml.safe_load((recipes / "conan/conandata.yml").read_text())
     options = types.SimpleNamespace(shared=False)
-    cpp_info = types.SimpleNamespace(set_property=lambda *_: None)
-    requires = tool_requires = lambda self, *_, **__: None
+    cpp_info = types.SimpleNamespace()
+    requires = lambda self, *_, **__: None
 variables = {}
 class Toolchain:
     def __init__(self, _): self.cache_variables = variables
@@ -93,7 +91,7 @@ for name, members in {
 sys.path.insert(0, str(recipes / "conan"))
 from conanfile import HalfspaceConan
 recipe = HalfspaceConan()
-for step in ["layout", "build_requirements", "requirements", "source", "generate", "build", "package", "package_info"]:
+for step in ["layout", "requirements", "source", "generate", "build", "package", "package_info"]:
     getattr(recipe, step)()
 assert json.loads((recipes / "vcpkg/vcpkg.json").read_text())["version"] == recipe.version
 END

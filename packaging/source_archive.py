@@ -1,23 +1,24 @@
 #!/usr/bin/env python3
-"""usage: packaging/source_archive.py [--highway FOLDER] OUT.tar.gz
+"""usage: packaging/source_archive.py OUT.tar.gz
 
-Packs the committed sources of HEAD, Highway's headers, and an SPDX list of all of them
+Packs the committed sources of HEAD, the headers of libhwy-dev, and an SPDX list of all of them
 (sbom.spdx). The archive builds without a network: CMake takes the headers from
 third_party/highway (cmake/HalfspaceHighway.cmake). The same commit and headers make the
 same bytes.
 """
 
-import argparse
 import gzip
 import hashlib
 import io
 import re
 import subprocess
+import sys
 import tarfile
 import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+INCLUDE = Path("/usr/include")
 
 
 def git(*arguments):
@@ -32,13 +33,11 @@ def sources():
                 yield member.name, archive.extractfile(member).read(), member.mode
 
 
-def headers(folder, licence):
-    for path in sorted((folder / "hwy").rglob("*.h")):
-        if path.parent.name == "tests":
-            continue
-        name = path.relative_to(folder)
-        yield f"third_party/highway/{name}", path.read_bytes(), 0o644
-    yield "third_party/highway/LICENSE", licence.read_bytes(), 0o644
+def headers():
+    for path in sorted((INCLUDE / "hwy").rglob("*.h")):
+        if path.parent.name != "tests":
+            yield f"third_party/highway/{path.relative_to(INCLUDE)}", path.read_bytes(), 0o644
+    yield "third_party/highway/LICENSE", Path("/usr/share/doc/libhwy-dev/copyright").read_bytes(), 0o644
 
 
 def spdx(name, files, created, version_of_highway):
@@ -82,21 +81,15 @@ def spdx(name, files, created, version_of_highway):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--highway", type=Path, help="a checkout; the system's headers without")
-    parser.add_argument("out", type=Path)
-    arguments = parser.parse_args()
-    folder = arguments.highway or Path("/usr/include")
-    licence = folder / "LICENSE" if arguments.highway else Path("/usr/share/doc/libhwy-dev/copyright")
-    base = (folder / "hwy/base.h").read_text() + (folder / "hwy/highway.h").read_text()
+    base = (INCLUDE / "hwy/base.h").read_text() + (INCLUDE / "hwy/highway.h").read_text()
     parts = [re.search(rf"define HWY_{p} (\d+)", base)[1] for p in ("MAJOR", "MINOR", "PATCH")]
     version = re.search(r'VERSION_STRING "(.*)"', git("show", "HEAD:include/halfspace/version.h").decode())[1]
     seconds = int(git("log", "-1", "--format=%ct"))
     created = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime(seconds))
     name = f"halfspace-{version}"
-    files = [*sources(), *headers(folder, licence)]
+    files = [*sources(), *headers()]
     files.append(("sbom.spdx", spdx(name, files, created, ".".join(parts)).encode(), 0o644))
-    with open(arguments.out, "wb") as raw, gzip.GzipFile("", "wb", mtime=seconds, fileobj=raw) as packed:
+    with open(sys.argv[1], "wb") as raw, gzip.GzipFile("", "wb", mtime=seconds, fileobj=raw) as packed:
         with tarfile.open(fileobj=packed, mode="w", format=tarfile.PAX_FORMAT) as archive:
             for path, data, mode in sorted(files):
                 member = tarfile.TarInfo(f"{name}/{path}")

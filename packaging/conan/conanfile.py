@@ -1,4 +1,4 @@
-"""Conan 2 recipe. A tag fills the address and the checksum in conandata.yml."""
+"""Conan 2 recipe. A tag fills the address and the checksum."""
 
 from conan import ConanFile
 from conan.tools.cmake import CMake, CMakeDeps, CMakeToolchain, cmake_layout
@@ -18,14 +18,11 @@ class HalfspaceConan(ConanFile):
     def layout(self):
         cmake_layout(self, src_folder="src")
 
-    def build_requirements(self):
-        self.tool_requires("cmake/[>=3.22 <5]")
-
     def requirements(self):
         self.requires("highway/[>=1.0.3 <2]", headers=True, libs=False, visible=False)
 
     def source(self):
-        get(self, **self.conan_data["sources"][self.version], strip_root=True)
+        get(self, "@URL@", sha256="@SHA256@", strip_root=True)
 
     def generate(self):
         toolchain = CMakeToolchain(self)
@@ -44,9 +41,6 @@ class HalfspaceConan(ConanFile):
         CMake(self).install()
 
     def package_info(self):
-        # The package has files for find_package and pkg-config.
         self.cpp_info.libs = ["halfspace"]
-        self.cpp_info.set_property("cmake_find_mode", "none")
-        self.cpp_info.builddirs = ["lib/cmake/halfspace"]
         if self.options.shared:
             self.cpp_info.defines = ["HALFSPACE_SHARED"]
