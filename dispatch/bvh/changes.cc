@@ -52,20 +52,7 @@ std::uint32_t FindTwice(Span<const std::uint32_t> ids,
   return kNoId;
 }
 
-// How much a node would have to grow to enclose a bound, as a sum over its
-// planes.
-float GrowthOf(const PlaneLayout& layout, const BvhLevel& level,
-               std::size_t node, const float* values) {
-  float growth = 0;
-  for (std::size_t p = 0; p < layout.plane_count; ++p) {
-    const float beyond = p < layout.axes ? level.Value(p, node) - values[p]
-                                         : values[p] - level.Value(p, node);
-    growth += beyond > 0 ? beyond : 0;
-  }
-  return growth;
-}
-
-// The size of a node by the same measure.
+// The size of a node as a sum over its planes.
 float ExtentOf(const PlaneLayout& layout, const BvhLevel& level,
                std::size_t node) {
   float extent = 0;
@@ -74,6 +61,29 @@ float ExtentOf(const PlaneLayout& layout, const BvhLevel& level,
     extent -= level.Value(k, node);
   }
   return extent;
+}
+
+// How much a node would have to grow to enclose a bound, by the same measure.
+// Of a simplex, as NearestNode() of the kernels, how far the bound is beyond
+// the cube in it, too.
+float GrowthOf(const PlaneLayout& layout, const BvhLevel& level,
+               std::size_t node, const float* values) {
+  float growth = 0;
+  const auto add = [&growth](float beyond) {
+    growth += beyond > 0 ? beyond : 0;
+  };
+  for (std::size_t p = 0; p < layout.plane_count; ++p) {
+    const float plane = level.Value(p, node);
+    add(p < layout.axes ? plane - values[p] : values[p] - plane);
+  }
+  if (!layout.has_max) {
+    const float edge =
+        ExtentOf(layout, level, node) / static_cast<float>(layout.dims);
+    for (std::size_t p = 0; p < layout.dims; ++p) {
+      add(values[p] - level.Value(p, node) - edge);
+    }
+  }
+  return growth;
 }
 
 // A bit for each object and each node that has changed, if there are enough

@@ -522,14 +522,31 @@ size_t NearestNode(const detail::BvhLevel& level, size_t block,
   auto least = none;
   for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
     auto growth = hn::Zero(d);
+    // A NaN is no growth.
+    const auto add = [&](hn::Vec<decltype(d)> beyond) HWY_ATTR {
+      growth = hn::Add(growth,
+                       hn::IfThenElseZero(hn::Gt(beyond, hn::Zero(d)), beyond));
+    };
     for (size_t p = 0; p < kBlockPlanes<kAxes, kHasMax>; ++p) {
       const auto plane = hn::LoadU(d, level.Plane(block, p) + i);
       const auto value = hn::Set(d, values[p]);
-      const auto beyond =
-          p < kAxes ? hn::Sub(plane, value) : hn::Sub(value, plane);
-      // A NaN is no growth.
-      growth = hn::Add(growth,
-                       hn::IfThenElseZero(hn::Gt(beyond, hn::Zero(d)), beyond));
+      add(p < kAxes ? hn::Sub(plane, value) : hn::Sub(value, plane));
+    }
+    if constexpr (!kHasMax) {
+      // The simplex around a cube has 4.5 times its volume. Its objects are in
+      // the cube, whose edge is a third of the simplex's. If it did not count
+      // how far an object is beyond the cube, the objects would spread over the
+      // simplex when they are sorted, and then over the next one.
+      constexpr size_t kDims = kAxes - 1;
+      auto edge = hn::Zero(d);
+      for (size_t p = 0; p < kAxes; ++p) {
+        edge = hn::Sub(edge, hn::LoadU(d, level.Plane(block, p) + i));
+      }
+      edge = hn::Mul(edge, hn::Set(d, 1.0f / kDims));
+      for (size_t p = 0; p < kDims; ++p) {
+        const auto plane = hn::LoadU(d, level.Plane(block, p) + i);
+        add(hn::Sub(hn::Sub(hn::Set(d, values[p]), plane), edge));
+      }
     }
     const auto key =
         hn::Or(hn::AndNot(hn::Set(di, kLaneBits), hn::BitCast(di, growth)),

@@ -712,8 +712,10 @@ HALFSPACE_API hs_status hs_bvh_join_each(const hs_bvh* a, const hs_bvh* b,
 
 // The pairs of an object of a set, which is `a`, and any other object of the
 // BVH. A pair of two objects of the set is found once. If `wanted` of only one
-// of them finds the pair, this one is `a`. The cost grows with the set. Can
-// allocate memory during the call.
+// of them finds the pair, this one is `a`, and otherwise `a` is the earlier one
+// in the order of the tree. A caller that needs the order of its own list swaps
+// the two if `b` is earlier there. The cost grows with the set. Can allocate
+// memory during the call.
 HALFSPACE_API hs_status hs_bvh_pairs_of(const hs_bvh* bvh, const uint32_t* ids,
                                         size_t count,
                                         const hs_pair_options* options,
