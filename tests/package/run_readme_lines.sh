@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # run_readme_lines.sh LANGUAGE SOURCES FOLDER EXPECTED [CMAKE OPTION...]: runs the lines
 # of readme_lines.sh in FOLDER, except the line of apt. The last one must print EXPECTED.
-# For Python, the sources are those of a source distribution (MANIFEST.in).
+# For Python, the sources are those of a source distribution (MANIFEST.in), and a wheel is
+# installed after the lines.
 # If EXPECTED is empty, runs only the lines of cmake. `cmake --install` writes to
 # FOLDER/root. With CMAKE OPTIONs, the build is configured with them before.
 set -euo pipefail
@@ -14,7 +15,7 @@ shift 4
 mkdir -p "$folder"
 cd "$folder"
 lines=$(bash "$sources/tests/package/readme_lines.sh" "$language" "$sources" | tail -n +2)
-rm -rf root venv a.out halfspace sdist
+rm -rf root venv a.out halfspace sdist wheels
 if [ "$language" = python ]; then
   (cd "$sources" && python3 -c \
     'import sys; from setuptools import build_meta; build_meta.build_sdist(sys.argv[1])' \
@@ -36,3 +37,15 @@ if [ "$expected" ] && [ "$(tail -n 1 output)" != "$expected" ]; then
   echo "The last line is not: $expected"
   exit 1
 fi
+if [ "$language" != python ]; then exit; fi
+
+# A wheel, which pip makes of the build that the lines have left, needs neither its sources
+# nor a compiler. numpy is the system's.
+venv/bin/pip wheel --no-build-isolation --no-deps -w wheels ./halfspace
+rm -rf elsewhere
+mkdir elsewhere
+mv halfspace elsewhere/sources
+python3 -m venv --system-site-packages elsewhere/venv
+CXX=false CC=false elsewhere/venv/bin/pip install --no-index --find-links wheels halfspace
+mv wheels elsewhere/wheels
+elsewhere/venv/bin/python "$sources/tests/package/use_wheel.py"
