@@ -21,7 +21,7 @@ builders; the choice of a target; and threads.
              and their fixed-width forms, the tests of what differs there, at a
              hundredth of their scale
   --windows  for 64-bit Windows instead: cross-compiles a DLL of 2 and 3 dimensions by
-             mingw-w64, and runs in wine, at a tenth of their scale, the same tests but
+             mingw-w64, and runs in wine, at a tenth of their scale, the same tests except
              those that need GMP, the tests of the C API, and the examples
 
 Other arguments are options of ctest that choose tests and what is printed, as in

@@ -62,7 +62,15 @@ std::FILE* OpenNew(const std::filesystem::path& path) {
   const int file =
       _wopen(path.c_str(), _O_CREAT | _O_EXCL | _O_WRONLY | _O_BINARY,
              _S_IREAD | _S_IWRITE);
-  return file < 0 ? nullptr : _fdopen(file, "wb");
+  if (file < 0) return nullptr;
+  std::FILE* const stream = _fdopen(file, "wb");
+  if (stream == nullptr) {
+    const int error = errno;
+    _close(file);
+    _wremove(path.c_str());
+    errno = error;
+  }
+  return stream;
 #else
   return std::fopen(path.c_str(), "wbx");
 #endif

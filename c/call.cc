@@ -67,7 +67,7 @@ constexpr NameInC kNames[] = {
     {"", "world.size", "scan"},
     {"Bvh::Refit", "bounds", "objects"},
     {"", "options.margin", "options->margin"},
-    {"MemoryResource::allocate", "the result", "config->allocator.allocate"},
+    {"MemoryResource::allocate", "the result", "allocator.allocate"},
 };
 
 std::string_view NameOf(const Error& error) {
@@ -217,9 +217,10 @@ Target ReadTarget(const Call& call, const char* argument, const char* name) {
   return *target;
 }
 
-MemoryResource ReadAllocator(const Call& call, const hs_allocator& allocator) {
+MemoryResource ReadAllocator(const Call& call, const hs_allocator& allocator,
+                             const char* argument) {
   if ((allocator.allocate == nullptr) != (allocator.deallocate == nullptr)) {
-    call.Fail(HS_INVALID_ARGUMENT, "config->allocator",
+    call.Fail(HS_INVALID_ARGUMENT, argument,
               "expected both functions or neither, got %s "
               "alone",
               allocator.allocate != nullptr ? "allocate" : "deallocate");

@@ -149,7 +149,8 @@ Config ReadConfig(const Call& call, const Config* given,
 
 // Null is the chosen target.
 Target ReadTarget(const Call& call, const char* argument, const char* name);
-MemoryResource ReadAllocator(const Call& call, const hs_allocator& allocator);
+MemoryResource ReadAllocator(const Call& call, const hs_allocator& allocator,
+                             const char* argument = "config->allocator");
 
 // An object in memory of its own resource.
 template <typename T, typename... Arguments>

@@ -65,7 +65,7 @@ hs_status hs_pair_events_create(const hs_allocator* allocator,
     halfspace::MemoryResource memory;
     if (allocator != nullptr) {
       call.CheckPointer("allocator", allocator);
-      memory = halfspace::c::ReadAllocator(call, *allocator);
+      memory = halfspace::c::ReadAllocator(call, *allocator, "allocator");
     }
     *events = halfspace::c::New<hs_pair_events>(memory, memory);
   });

@@ -13,8 +13,8 @@ machine_tests=(
   targets_test environment_test detect_targets_test
   broad_phase_threads_test dispatch_race_test range_threads_test)
 
-# What runs on Windows: those of them that need neither GMP nor Highway's library. Wine
-# takes seconds to start, so few values of HALFSPACE_TARGET are tried.
+# Windows runs these, which need neither GMP nor Highway's library. Wine takes seconds to
+# start, so the tests try few values of HALFSPACE_TARGET.
 # shellcheck disable=SC2034
 windows_tests=(
   scan_test kernels_test many_test hash_test targets_test environment_test

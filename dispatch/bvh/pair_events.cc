@@ -596,12 +596,11 @@ void PairEventsCore::Load(Span<const IdPair> pairs) {
   constexpr const char* kCall = "PairEvents::Load";
   dispatch::CheckMemory(kCall, "pairs", pairs.data(), pairs.size(),
                         alignof(IdPair));
-  constexpr std::uint32_t kMostId = std::numeric_limits<std::int32_t>::max();
   std::size_t id_limit = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const auto [a, b] = pairs[i];
-    if (a >= b || b > kMostId) {
-      dispatch::ThrowInvalid(kCall, "pairs", "a < b < 2^31",
+    if (a >= b || b == kNoId) {
+      dispatch::ThrowInvalid(kCall, "pairs", "a < b < 4294967295",
                              std::to_string(a) + " and " + std::to_string(b),
                              i);
     }

@@ -131,10 +131,38 @@ class Prepared {
              query_.values + (is_sphere ? 0 : query_.dims), RadiusOf(query_),
              ball_);
     is_ = kBall;
-    // If the square of the radius overflows, the ball rejects nothing, but the
-    // bound of a sphere does.
-    if (!CanBeBounded(query_) || !(ball_.limit <= kMax<float>)) {
-      SetBounds(!is_sphere);
+    // If the square of the radius overflows, the ball rejects nothing, but a
+    // bound does.
+    if (CanBeBounded(query_) && ball_.limit <= kMax<float>) return;
+    if (is_sphere) {
+      SetBounds();
+    } else {
+      SetLargerBox();
+    }
+  }
+
+  // The box that is larger by the radius, without a limit on D, or everything
+  // if a number is NaN.
+  void SetLargerBox() {
+    const auto sum = [](double a, double b) {
+      return std::isinf(a + b) ? static_cast<float>(a + b) : RoundedUp(a + b);
+    };
+    const double radius = RadiusOf(query_);
+    is_ = kBounds;
+    std::size_t v = 0;
+    if (world_.has_max) {
+      for (std::size_t k = 0; k < world_.axes; ++k) {
+        bounds_[v++] =
+            k < query_.dims ? -sum(radius, -query_.values[k]) : -kInf<float>;
+      }
+    }
+    for (std::size_t k = 0; k < world_.axes; ++k) {
+      bounds_[v++] = k < query_.dims
+                         ? sum(radius, query_.values[query_.dims + k])
+                         : kInf<float>;
+    }
+    for (std::size_t i = 0; i < v; ++i) {
+      if (std::isnan(bounds_[i])) return SetBounds(true);
     }
   }
 

@@ -38,16 +38,18 @@
 // targets return the same objects.
 //
 // NaN and infinities: planes of objects as in reject.h. A point, sphere,
-// segment, capsule or rounded box with a NaN in a point, with an infinity, or
-// with magnitudes that sum to more than 2^125 is a query of Everything(), like
-// the bound that a builder of fit.h makes of it. So is a rounded box with a
-// radius above 2^63. One with a minimum above its maximum finds any objects. An
-// oriented box with a NaN or an infinity keeps every object. A NaN radius is an
-// error. A half-space with a NaN or an infinity keeps every object, and so does
-// one whose normal has a component that is not 0 and less than 2^-96 of
-// another. An empty list of half-spaces keeps every object. An Empty() object
-// is found only by a query that keeps every object: a list of half-spaces, or
-// an oriented box with a NaN or an infinity.
+// segment or capsule with a NaN in a point, with an infinity, or with
+// magnitudes that sum to more than 2^125 is a query of Everything(), like the
+// bound that a builder of fit.h makes of it. So is a rounded box with a NaN.
+// With an infinity, with such magnitudes, or with a radius from about 2^64 on
+// it is the box that is larger by the radius. If a minimum is above its
+// maximum, it can find objects that touch nothing. An oriented box with a NaN
+// or an infinity keeps every object. A NaN radius is an error. A half-space
+// with a NaN or an infinity keeps every object, and so does one whose normal
+// has a component that is not 0 and less than 2^-96 of another. An empty list
+// of half-spaces keeps every object. An Empty() object is found only by a query
+// that keeps every object: a list of half-spaces, or an oriented box with a NaN
+// or an infinity.
 //
 // Errors (error.h): those of bvh.h; a radius is negative or NaN; there are
 // more than 64 half-spaces; the pointer to them is null or misaligned.

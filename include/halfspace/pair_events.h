@@ -92,7 +92,8 @@ class PairEvents {
   // others. `changed` must have the ids of all objects that were inserted,
   // changed or erased since the last Update(), once or more often. The pairs of
   // an erased object end. If `changed` has a quarter as many ids as the world
-  // has objects, the call finds all pairs, which takes less time.
+  // has objects, the call finds all pairs, which takes less time. Otherwise
+  // a new mask or margin counts for the pairs of `changed` alone.
   template <typename View>
   void Update(const Bvh<View>& world, Span<const std::uint32_t> changed,
               const PairEventOptions& options = {}) {
@@ -118,8 +119,8 @@ class PairEvents {
   // returns the differences to these. Store pairs() with a world (Bvh::Blob),
   // and load both, to go on as the stored ones would. A pair of ids that the
   // world does not have ends at one of the next calls of Update(). Throws
-  // (error.h) if a pair does not have a < b and b < 2^31, or is in the list
-  // twice.
+  // (error.h) if a pair does not have a < b and b < 4294967295, or is in the
+  // list twice.
   void Load(Span<const IdPair> pairs) { core_.Load(pairs); }
 
  private:

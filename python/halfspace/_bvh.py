@@ -166,7 +166,7 @@ class BVH:
         boxes : array_like, shape (m, 2 d) or (2 d,)
             As in `BVH`, in the dimensions of the tree.
         within : float or array_like, shape (m,), optional
-            Also finds the objects that are at most so far from the box.
+            Finds the objects whose distance from the box is at most `within`.
         threads, progress
             As in `BVH`.
 

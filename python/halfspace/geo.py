@@ -5,10 +5,9 @@
     tree = STRtree(polygons)
     rows, ids = tree.query(lines, predicate="intersects")
 
-Works with shapely 1.8 and 2. Shapely 1.8 gives boxes and makes exact tests one by one,
-and gets the box of a geometry slower than it searches. So with it a query takes twice as
-long as shapely's own, and the nearest are found in 0.4 of its time. Shapely 2 does both
-in one call.
+Works with shapely 1.8 and 2. Shapely 1.8 returns boxes and makes exact tests one by one,
+and takes longer for the box of a geometry than for a search. So with it a query takes
+longer than shapely's own. Shapely 2 does both in one call.
 """
 
 from typing import Any, Iterable, Optional, Tuple, Union
@@ -43,9 +42,9 @@ class STRtree:
     Parameters
     ----------
     geoms : sequence of geometries
-        Those that are None or empty are never found.
+        No call returns those that are None or empty.
     node_capacity : int
-        Is not used: a node has 64 children.
+        The tree ignores it: its nodes have 64 children.
 
     Notes
     -----
@@ -57,7 +56,7 @@ class STRtree:
         self._geometries = _array_of(geoms, "geoms")
         bounds = _bounds_of(self._geometries)
         # The index of each geometry that has a box.
-        self._index = np.flatnonzero(~np.isnan(bounds[:, 0]))
+        self._index = np.flatnonzero(~np.isnan(bounds).any(axis=1))
         self._bounds = bounds[self._index]
         self._tree = BVH(self._bounds)
 
@@ -91,8 +90,8 @@ class STRtree:
         Returns
         -------
         ndarray of int64, shape (2, n) or (n,)
-            The indices of the given geometries, which ascend, and of those found. Of
-            one geometry only the latter.
+            The indices of the given geometries and of those that were found, both
+            of which ascend. For one geometry it has only the indices that were found.
         """
         if predicate is not None and predicate not in _PREDICATES:
             raise ValueError(
@@ -103,7 +102,7 @@ class STRtree:
             raise ValueError('distance: only the predicate "dwithin" has one')
         given, is_one = _given(geometry)
         boxes = _bounds_of(given)
-        is_used = ~np.isnan(boxes[:, 0])
+        is_used = ~np.isnan(boxes).any(axis=1)
         if predicate == "dwithin":
             limits = _limits(distance, len(given))
             is_used &= limits >= 0
@@ -148,7 +147,7 @@ class STRtree:
         geometry : geometry or sequence of geometries
             None and empty ones find nothing.
         max_distance : float, optional
-            What is farther away is not found. Above 0.
+            Must be above 0. Finds nothing that is farther away.
         return_distance : bool
             Also returns the distances, of shape (n,).
         exclusive : bool
@@ -166,7 +165,7 @@ class STRtree:
         _check_flag(all_matches, "all_matches")
         given, is_one = _given(geometry)
         boxes = _bounds_of(given)
-        used = np.flatnonzero(~np.isnan(boxes[:, 0]))
+        used = np.flatnonzero(~np.isnan(boxes).any(axis=1))
         limits = np.full(len(given), np.inf)
         limits[used] = self._first_distances(given, boxes, used, exclusive)
         limits = np.minimum(limits, limit)
@@ -285,17 +284,20 @@ def _bounds_of(geometries: np.ndarray) -> np.ndarray:
 
 
 def _grown(boxes: np.ndarray, margins: np.ndarray) -> np.ndarray:
-    """The boxes, larger by at least the margins."""
+    """The boxes, larger by at least the margins and the error of distances as doubles."""
+    sizes = np.abs(boxes).max(axis=1, keepdims=True, initial=0)
     margins = margins[:, np.newaxis]
-    low = np.nextafter(boxes[:, :2] - margins, -np.inf)
-    high = np.nextafter(boxes[:, 2:] + margins, np.inf)
-    return np.hstack([low, high])
+    margins = margins + 2.0**-48 * (margins + sizes)
+    return np.hstack([boxes[:, :2] - margins, boxes[:, 2:] + margins])
 
 
 def _limits(distance: Any, count: int) -> np.ndarray:
     if distance is None:
         raise ValueError('distance: expected a number, as "dwithin" needs one')
-    limits = np.asarray(distance, np.float64)
+    try:
+        limits = np.asarray(distance, np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"distance: expected numbers, got {distance!r}") from None
     if limits.ndim > 1:
         raise ValueError(f"distance: expected one dimension, got {limits.ndim}")
     if limits.ndim == 1 and len(limits) not in (1, count):

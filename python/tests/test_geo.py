@@ -133,6 +133,25 @@ def test_boxes_are_compared_as_doubles():
     assert tree.query_nearest(near, exclusive=True).tolist() == [1]
 
 
+# A distance is rounded, and the box that is larger by it is, too.
+def test_rounded_distances():
+    assert geo.STRtree([Point(6.1e-17, 0)]).nearest(Point(-1, 0)) == 0
+    random = np.random.default_rng(3)
+    for a, b in np.round(random.uniform(-9, 9, (500, 2, 2)), 1) + 0.7:
+        a, b = Point(*a), Point(*b)
+        tree = geo.STRtree([b, Point(2 * a.x - b.x, b.y)])
+        assert 0 in tree.query(a, "dwithin", a.distance(b))
+        nearest = tree.query_nearest(a).tolist()
+        distances = [a.distance(c) for c in tree.geometries]
+        assert nearest == [i for i in (0, 1) if distances[i] == min(distances)]
+
+
+def test_a_geometry_without_a_box_is_left_out():
+    bad = [Point(0, np.nan), Point(np.nan, 0)]
+    assert len(geo.STRtree([*bad, Point(1, 1)])) == 1
+    assert TREE.query(bad).shape == TREE.query_nearest(bad).shape == (2, 0)
+
+
 # All are nearer than the one that is not equal.
 def test_exclusive_looks_behind_many_equal_ones():
     tree = geo.STRtree([Point(0, 0)] * 100 + [Point(1, 0)])
@@ -162,7 +181,7 @@ def test_is_pickled():
         (lambda: TREE.query(np.empty((1, 1), object)), TypeError, "expected one dimension"),
         (lambda: TREE.query(GIVEN, "disjoint"), ValueError, "is not a valid option"),
         (lambda: TREE.query(GIVEN, "dwithin"), ValueError, "distance: expected a number"),
-        (lambda: TREE.query(GIVEN, "dwithin", "x"), ValueError, "could not convert"),
+        (lambda: TREE.query(GIVEN, "dwithin", "x"), ValueError, "distance: expected numbers"),
         (lambda: TREE.query(GIVEN, "dwithin", [1, 2]), ValueError, "expected 60 numbers"),
         (lambda: TREE.query(GIVEN, "dwithin", [[1]]), ValueError, "one dimension, got 2"),
         (lambda: TREE.query(GIVEN, distance=1), ValueError, 'only the predicate "dwithin"'),

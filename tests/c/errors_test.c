@@ -224,11 +224,14 @@ static void test_allocators(void) {
   const hs_columns columns = hs_float_rows(kBoxes, 2, 6);
   hs_bvh_config config = bvh_config_of(HS_BOX3);
   hs_bvh* bvh = NULL;
+  hs_pair_events* events = NULL;
   config.allocator.allocate = no_memory;
   INVALID(hs_bvh_create, (&config, &columns, &bvh),
           "config->allocator: expected both functions or neither, got allocate "
           "alone");
   CHECK(bvh == NULL);
+  INVALID(hs_pair_events_create, (&config.allocator, &events),
+          "allocator: expected both functions or neither, got allocate alone");
 }
 
 static hs_visit no_ids(void* context, size_t query, const uint32_t* ids,
@@ -372,7 +375,7 @@ static void test_handles_and_outputs(void) {
       hs_pair_events_update, (events, bvh, &event_options),
       "options->margin: expected a finite number that is not negative, got -1");
   INVALID(hs_pair_events_load, (events, &swapped, 1),
-          "pairs[0]: expected a < b < 2^31, got 2 and 1");
+          "pairs[0]: expected a < b < 4294967295, got 2 and 1");
   INVALID(hs_pair_events_began, (events, NULL, &total),
           "pairs: expected a pointer, got null");
   hs_pair_events_destroy(events);

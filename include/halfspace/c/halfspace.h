@@ -530,8 +530,8 @@ HALFSPACE_API hs_status hs_bvh_cost_ratio(const hs_bvh* bvh, double* ratio);
 // means a body.
 
 // The type of the queries of ..._query(), ..._count(), ..._any() and
-// ..._probe(). Points and spheres must be floats. bvh_shapes.h says which
-// objects survive them.
+// ..._probe(). Points, spheres and rounded boxes must be floats.
+// bvh_shapes.h says which objects survive them.
 typedef enum hs_shape HALFSPACE_INT {
   HS_SHAPE_BOUND = 0,       // a record of the kind of the objects
   HS_SHAPE_POINT = 1,       // d columns
@@ -750,8 +750,8 @@ typedef struct hs_pair_events hs_pair_events;
 
 typedef struct hs_pair_event_options {
   size_t struct_size;
-  uint32_t mask;  // as in hs_pair_options. ..._update_of() searches only the
-  float margin;   // pairs of `changed` by a new mask or margin.
+  uint32_t mask;  // both are as in hs_pair_options
+  float margin;
   const char* target;   // null: the chosen target
   hs_run_function run;  // null: the calling thread does all work. The pairs do
                         // not depend on it.
@@ -777,28 +777,32 @@ hs_pair_events_update(hs_pair_events* events, const hs_bvh* bvh,
 // Finds the pairs of the `count` objects `changed`, and keeps the pairs of the
 // others. `changed` must have the ids of all objects that were inserted,
 // changed or erased since the last update, once or more often. The pairs of an
-// erased object end.
+// erased object end. If `changed` has a quarter as many ids as the BVH has
+// objects, it finds all pairs. Otherwise a new mask or margin counts for the
+// pairs of `changed` alone.
 HALFSPACE_API hs_status hs_pair_events_update_of(
     hs_pair_events* events, const hs_bvh* bvh, const uint32_t* changed,
     size_t count, const hs_pair_event_options* options);
 
-// Of the last update: all pairs, in any order; those that were not there after
-// the update before; and those that were and are not now. a < b, and the last
-// two lists are sorted by a, then by b. Valid until the next update or load.
+// Returns all pairs of the last update, in any order, with a < b. The array of
+// each of these three functions is valid until the next update or load.
 HALFSPACE_API hs_status hs_pair_events_pairs(const hs_pair_events* events,
                                              const hs_id_pair** pairs,
                                              size_t* count);
+// Returns the pairs that the update before had not. They are sorted by a, then
+// by b.
 HALFSPACE_API hs_status hs_pair_events_began(const hs_pair_events* events,
                                              const hs_id_pair** pairs,
                                              size_t* count);
+// Returns the pairs that only the update before had, in the same order.
 HALFSPACE_API hs_status hs_pair_events_ended(const hs_pair_events* events,
                                              const hs_id_pair** pairs,
                                              size_t* count);
 
-// Sets the pairs, in any order, and removes all events: the next update gives
-// the differences to these. Store the pairs with a blob, and load both, to go
-// on as the stored ones would. Without pairs, it frees all memory. Each pair
-// must have a < b < 2^31, and must be in the list once.
+// Sets the pairs, in any order, and removes all events: the next update
+// returns the differences to these. Store the pairs with a blob, and load both,
+// to go on as the stored ones would. Without pairs, it frees all memory. Each
+// pair must have a < b < 4294967295, and must be in the list once.
 HALFSPACE_API hs_status hs_pair_events_load(hs_pair_events* events,
                                             const hs_id_pair* pairs,
                                             size_t count);

@@ -108,6 +108,23 @@ class ShapeReference {
   }
 
  private:
+  // Of a rounded box, without a limit on D. Everything if a number is NaN.
+  void SetLargerBox(const float* low, const float* high, double radius) {
+    const auto sum = [&](double value) {
+      const double larger = value + radius;
+      return std::isinf(larger) ? static_cast<float>(larger)
+                                : detail::RoundedUp(larger);
+    };
+    bool has_nan = false;
+    for (std::size_t p = 0; p < layout_.plane_count; ++p) {
+      const std::size_t k = p % layout_.axes;
+      if (k >= layout_.dims) continue;
+      bound_[p] = IsMin(layout_, p) ? sum(high[k]) : -sum(-double{low[k]});
+      has_nan |= std::isnan(bound_[p]);
+    }
+    if (has_nan) bound_ = AllPlanes(layout_, kMost);
+  }
+
   // A walk takes a shape for its bound if a builder cannot bound it, if its
   // radius is too large to be squared, or if no axis limits its line.
   template <int kDims>
@@ -132,7 +149,7 @@ class ShapeReference {
       detail::MakeBall(layout_, n, n + kDims, corners.radius, ball_);
       has_ball_ = BoundCapsule(corners) != Aabo<kDims>::Everything() &&
                   ball_.limit != kInf;
-      if (!has_ball_) bound_ = AllPlanes(layout_, kMost);
+      if (!has_ball_) SetLargerBox(n, n + kDims, corners.radius);
     } else {
       Capsule<kDims> capsule{};
       std::memcpy(&capsule, n, shape.numbers.size() * sizeof(float));

@@ -396,7 +396,7 @@ TEST(PairEventsErrorsTest, NameTheArgument) {
             {"PairEvents::Update", "options.margin"});
   }
   refuses(load({{0, 1}, {2, 2}}),
-          {"PairEvents::Load", "pairs[1]", "a < b < 2^31", "2 and 2"});
+          {"PairEvents::Load", "pairs[1]", "a < b < 4294967295", "2 and 2"});
   refuses(load({{3, 2}}), {"pairs[0]", "3 and 2"});
   refuses(load({{0, 0x80000000}}), {"pairs[0]", "0 and 2147483648"});
   refuses(load({{0, 1}, {5, 6}, {0, 1}}),
