@@ -64,7 +64,6 @@ class ConanFile:
     source_folder, package_folder = f"{work}/sources", f"{work}/conan"
     options = types.SimpleNamespace(shared=False)
     cpp_info = types.SimpleNamespace()
-    requires = lambda self, *_, **__: None
 variables = {}
 class Toolchain:
     def __init__(self, _): self.cache_variables = variables
@@ -82,8 +81,7 @@ def copy(_, name, source, target):
     shutil.copy(f"{source}/{name}", target)
 for name, members in {
     "conan": {"ConanFile": ConanFile}, "conan.tools": {},
-    "conan.tools.cmake": {"CMake": CMake, "CMakeToolchain": Toolchain, "cmake_layout": lambda *_, **__: None,
-                          "CMakeDeps": lambda _: types.SimpleNamespace(generate=lambda: None)},
+    "conan.tools.cmake": {"CMake": CMake, "CMakeToolchain": Toolchain, "cmake_layout": lambda *_, **__: None},
     "conan.tools.files": {"copy": copy, "get": lambda *_, **__: None},
 }.items():
     sys.modules[name] = types.ModuleType(name)
@@ -91,7 +89,7 @@ for name, members in {
 sys.path.insert(0, str(recipes / "conan"))
 from conanfile import HalfspaceConan
 recipe = HalfspaceConan()
-for step in ["layout", "requirements", "source", "generate", "build", "package", "package_info"]:
+for step in ["layout", "source", "generate", "build", "package", "package_info"]:
     getattr(recipe, step)()
 assert json.loads((recipes / "vcpkg/vcpkg.json").read_text())["version"] == recipe.version
 END

@@ -1,7 +1,8 @@
-"""Conan 2 recipe. A tag fills the address and the checksum."""
+"""Conan 2 recipe. A tag fills the address and the checksum of a source archive, which has
+the headers of Highway."""
 
 from conan import ConanFile
-from conan.tools.cmake import CMake, CMakeDeps, CMakeToolchain, cmake_layout
+from conan.tools.cmake import CMake, CMakeToolchain, cmake_layout
 from conan.tools.files import copy, get
 
 
@@ -18,9 +19,6 @@ class HalfspaceConan(ConanFile):
     def layout(self):
         cmake_layout(self, src_folder="src")
 
-    def requirements(self):
-        self.requires("highway/[>=1.0.3 <2]", headers=True, libs=False, visible=False)
-
     def source(self):
         get(self, "@URL@", sha256="@SHA256@", strip_root=True)
 
@@ -29,7 +27,6 @@ class HalfspaceConan(ConanFile):
         toolchain.cache_variables["HALFSPACE_C"] = True
         toolchain.cache_variables["HALFSPACE_SHARED"] = bool(self.options.shared)
         toolchain.generate()
-        CMakeDeps(self).generate()
 
     def build(self):
         cmake = CMake(self)

@@ -1,4 +1,4 @@
-# A tag fills url and sha256.
+# A tag fills url and sha256 of a source archive, which has the headers of Highway.
 class Halfspace < Formula
   desc "Broad phases, BVHs and SIMD rejection tests over stored bounding volumes"
   homepage "@HOMEPAGE@"
@@ -7,7 +7,6 @@ class Halfspace < Formula
   license "MIT"
 
   depends_on "cmake" => :build
-  depends_on "highway" => :build
 
   def install
     system "cmake", "-S", ".", "-B", "build", "-DHALFSPACE_C=ON", "-DHALFSPACE_SHARED=ON", *std_cmake_args
