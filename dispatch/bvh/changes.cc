@@ -64,8 +64,8 @@ float ExtentOf(const PlaneLayout& layout, const BvhLevel& level,
 }
 
 // How much a node would have to grow to enclose a bound, by the same measure.
-// Of a simplex, as NearestNode() of the kernels, how far the bound is beyond
-// the cube in it, too.
+// Of a simplex in 3 dimensions, as NearestNode() of the kernels, how far the
+// bound is beyond the cube in it, too.
 float GrowthOf(const PlaneLayout& layout, const BvhLevel& level,
                std::size_t node, const float* values) {
   float growth = 0;
@@ -76,7 +76,7 @@ float GrowthOf(const PlaneLayout& layout, const BvhLevel& level,
     const float plane = level.Value(p, node);
     add(p < layout.axes ? plane - values[p] : values[p] - plane);
   }
-  if (!layout.has_max) {
+  if (!layout.has_max && layout.dims == 3) {
     const float edge =
         ExtentOf(layout, level, node) / static_cast<float>(layout.dims);
     for (std::size_t p = 0; p < layout.dims; ++p) {

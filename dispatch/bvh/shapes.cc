@@ -161,8 +161,10 @@ class Prepared {
                          ? sum(radius, query_.values[query_.dims + k])
                          : kInf<float>;
     }
-    for (std::size_t i = 0; i < v; ++i) {
-      if (std::isnan(bounds_[i])) return SetBounds(true);
+    const auto is_nan = [](float value) { return std::isnan(value); };
+    if (std::any_of(query_.values, query_.values + 2 * query_.dims, is_nan) ||
+        std::any_of(bounds_.data(), bounds_.data() + v, is_nan)) {
+      SetBounds(true);
     }
   }
 

@@ -532,11 +532,12 @@ size_t NearestNode(const detail::BvhLevel& level, size_t block,
       const auto value = hn::Set(d, values[p]);
       add(p < kAxes ? hn::Sub(plane, value) : hn::Sub(value, plane));
     }
-    if constexpr (!kHasMax) {
+    if constexpr (!kHasMax && kAxes == 4) {
       // The simplex around a cube has 4.5 times its volume. Its objects are in
       // the cube, whose edge is a third of the simplex's. If it did not count
       // how far an object is beyond the cube, the objects would spread over the
-      // simplex when they are sorted, and then over the next one.
+      // simplex when they are sorted, and then over the next one. Triangles,
+      // which have twice the area of their squares, decay more with this term.
       constexpr size_t kDims = kAxes - 1;
       auto edge = hn::Zero(d);
       for (size_t p = 0; p < kAxes; ++p) {

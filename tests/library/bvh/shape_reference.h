@@ -116,6 +116,9 @@ class ShapeReference {
                                 : detail::RoundedUp(larger);
     };
     bool has_nan = false;
+    for (std::size_t k = 0; k < layout_.dims; ++k) {
+      has_nan |= std::isnan(low[k]) || std::isnan(high[k]);
+    }
     for (std::size_t p = 0; p < layout_.plane_count; ++p) {
       const std::size_t k = p % layout_.axes;
       if (k >= layout_.dims) continue;

@@ -398,7 +398,7 @@ TEST(PairEventsErrorsTest, NameTheArgument) {
   refuses(load({{0, 1}, {2, 2}}),
           {"PairEvents::Load", "pairs[1]", "a < b < 4294967295", "2 and 2"});
   refuses(load({{3, 2}}), {"pairs[0]", "3 and 2"});
-  refuses(load({{0, 0x80000000}}), {"pairs[0]", "0 and 2147483648"});
+  refuses(load({{0, 0xFFFFFFFF}}), {"pairs[0]", "0 and 4294967295"});
   refuses(load({{0, 1}, {5, 6}, {0, 1}}),
           {"PairEvents::Load", "pairs", "each pair once", "0 and 1 twice"});
   const IdPair* const none = nullptr;
