@@ -62,7 +62,6 @@ work = os.environ["work"]
 recipes = pathlib.Path(os.environ["recipes"])
 class ConanFile:
     source_folder, package_folder = f"{work}/sources", f"{work}/conan"
-    options = types.SimpleNamespace(shared=False)
     cpp_info = types.SimpleNamespace()
 variables = {}
 class Toolchain:
@@ -89,6 +88,7 @@ for name, members in {
 sys.path.insert(0, str(recipes / "conan"))
 from conanfile import HalfspaceConan
 recipe = HalfspaceConan()
+recipe.options = types.SimpleNamespace(**recipe.default_options)
 for step in ["layout", "source", "generate", "build", "package", "package_info"]:
     getattr(recipe, step)()
 assert json.loads((recipes / "vcpkg/vcpkg.json").read_text())["version"] == recipe.version
