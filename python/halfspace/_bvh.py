@@ -201,8 +201,7 @@ class BVH:
         table = self._boxes(boxes)
         if within is not None:
             table = _arrays.rounded_boxes(table, within)
-        found = self._query(table, _arrays.threads(threads), progress)
-        return found[1] if table.single else found
+        return self._query(table, _arrays.threads(threads), progress)
 
     def query_sphere(
         self,
@@ -219,8 +218,7 @@ class BVH:
         `query`.
         """
         spheres = _arrays.spheres(centers, radii, self.dims)
-        found = self._query(spheres, _arrays.threads(threads), progress)
-        return found[1] if spheres.single else found
+        return self._query(spheres, _arrays.threads(threads), progress)
 
     def _query(
         self, table: _arrays.Table, threads: int, progress: Optional[Progress]
@@ -230,7 +228,8 @@ class BVH:
             and table.columns == 2 * self.dims
             and self._is_join_faster(table)
         )
-        return self._tree.query(table.arrays, by_join, threads, progress)
+        found = self._tree.query(table.arrays, by_join, threads, progress)
+        return found[1] if table.single else found
 
     def _is_join_faster(self, table: _arrays.Table) -> bool:
         # As measured with 10^3 to 10^6 objects and 10^4 to 10^6 queries. With fewer
