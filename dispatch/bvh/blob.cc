@@ -187,7 +187,7 @@ PlaneLayout LayoutOfBlob(Span<const std::byte> blob) {
   return {header.dims, header.axes, header.has_max != 0};
 }
 
-// Groups get costs whose sum is that of the groups of the older format.
+// Computes the cost of each group. Their sum is that of the older format.
 void BvhState::Convert(const BvhFormat& format) {
   const std::size_t groups = GroupsOf(slots());
   const Scratch scratch(memory_, groups * sizeof(BvhGroup));

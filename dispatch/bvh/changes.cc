@@ -63,9 +63,9 @@ float ExtentOf(const PlaneLayout& layout, const BvhLevel& level,
   return extent;
 }
 
-// How much a node would have to grow to enclose a bound, by the same measure.
-// Of a simplex in 3 dimensions, as NearestNode() of the kernels, how far the
-// bound is beyond the cube in it, too.
+// How much a node must grow to enclose a bound, by the same measure. In 3
+// dimensions a simplex adds how far the bound is beyond the cube in it, as
+// NearestNode() of the kernels does.
 float GrowthOf(const PlaneLayout& layout, const BvhLevel& level,
                std::size_t node, const float* values) {
   float growth = 0;

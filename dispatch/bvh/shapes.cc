@@ -131,8 +131,7 @@ class Prepared {
              query_.values + (is_sphere ? 0 : query_.dims), RadiusOf(query_),
              ball_);
     is_ = kBall;
-    // If the square of the radius overflows, the ball rejects nothing, but a
-    // bound does.
+    // A ball whose squared radius overflows rejects nothing. Its bound does.
     if (CanBeBounded(query_) && ball_.limit <= kMax<float>) return;
     if (is_sphere) {
       SetBounds();
