@@ -84,7 +84,7 @@ elif [ "$preset" = aarch64 ]; then
 else
   # In a folder of its own: a library of all dimensions, and its tests, would be built
   # again after bench.sh or --full.
-  build_preset release -B test -DHALFSPACE_DIMS=3 -DHALFSPACE_C=OFF \
+  build_preset release -B test -DHALFSPACE_UNITY=ON -DHALFSPACE_DIMS=3 -DHALFSPACE_C=OFF \
     -DHALFSPACE_BUILD_TOOLS=OFF -DHALFSPACE_BUILD_EXAMPLES=OFF "${machine_tests[@]}"
   test_preset release -B test --label-regex '^library$' "$@"
 fi

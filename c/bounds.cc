@@ -13,8 +13,8 @@
 namespace halfspace::c {
 namespace {
 
-constexpr hs_bound_options kDefaults = {sizeof(hs_bound_options), 0, 0,
-                                        nullptr};
+constexpr hs_bound_options kBoundDefaults = {sizeof(hs_bound_options), 0, 0,
+                                             nullptr};
 
 // What is bounded at a time: its planes stay in the cache.
 constexpr std::size_t kMostShapes = 256;
@@ -58,7 +58,7 @@ class Bounder {
         count_(count),
         everything_(everything) {
     const hs_bound_options read =
-        ReadOptions(call, "options", options, kDefaults);
+        ReadOptions(call, "options", options, kBoundDefaults);
     options_.tightest = read.tightest != 0;
     options_.inverted =
         read.empty_if_inverted != 0 ? Inverted::kEmpty : Inverted::kEverything;
@@ -154,7 +154,7 @@ namespace detail = halfspace::detail;
 hs_status hs_bound_options_default(hs_bound_options* options,
                                    size_t struct_size) {
   return halfspace::c::WriteDefaults(
-      "hs_bound_options_default", &halfspace::c::kDefaults,
+      "hs_bound_options_default", &halfspace::c::kBoundDefaults,
       sizeof(hs_bound_options), options, struct_size);
 }
 

@@ -24,13 +24,14 @@ namespace detail = halfspace::detail;
 namespace halfspace::c {
 namespace {
 
-constexpr hs_broad_phase_config kDefaults = {sizeof(hs_broad_phase_config),
-                                             static_cast<hs_kind>(0),
-                                             0,
-                                             0,
-                                             nullptr,
-                                             nullptr,
-                                             {}};
+constexpr hs_broad_phase_config kBroadPhaseDefaults = {
+    sizeof(hs_broad_phase_config),
+    static_cast<hs_kind>(0),
+    0,
+    0,
+    nullptr,
+    nullptr,
+    {}};
 constexpr hs_update_options kUpdateDefaults = {
     sizeof(hs_update_options), UpdateOptions::kAutomatic, nullptr, nullptr};
 
@@ -87,7 +88,7 @@ hs_broad_phase::hs_broad_phase(const detail::PlaneLayout& its_layout,
 hs_status hs_broad_phase_config_default(hs_broad_phase_config* config,
                                         size_t struct_size) {
   return halfspace::c::WriteDefaults(
-      "hs_broad_phase_config_default", &halfspace::c::kDefaults,
+      "hs_broad_phase_config_default", &halfspace::c::kBroadPhaseDefaults,
       sizeof(hs_broad_phase_config), config, struct_size);
 }
 
@@ -102,8 +103,8 @@ hs_status hs_broad_phase_create(const hs_broad_phase_config* config,
                                 hs_broad_phase** bodies) {
   return Run("hs_broad_phase_create", [&](const Call& call) {
     call.CheckPointer("bodies", bodies);
-    const hs_broad_phase_config read =
-        halfspace::c::ReadConfig(call, config, halfspace::c::kDefaults);
+    const hs_broad_phase_config read = halfspace::c::ReadConfig(
+        call, config, halfspace::c::kBroadPhaseDefaults);
     const auto layout = halfspace::c::LayoutOf(call, "config->kind", read.kind);
     if (layout.kind == detail::PlaneLayout::kSimplex) {
       call.Fail(HS_INVALID_ARGUMENT, "config->kind",

@@ -17,13 +17,13 @@ using halfspace::detail::PlaneLayout;
 namespace halfspace::c {
 namespace {
 
-constexpr hs_bvh_config kDefaults = {sizeof(hs_bvh_config),
-                                     static_cast<hs_kind>(0),
-                                     HS_QUALITY_HIGH,
-                                     nullptr,
-                                     nullptr,
-                                     nullptr,
-                                     {}};
+constexpr hs_bvh_config kBvhDefaults = {sizeof(hs_bvh_config),
+                                        static_cast<hs_kind>(0),
+                                        HS_QUALITY_HIGH,
+                                        nullptr,
+                                        nullptr,
+                                        nullptr,
+                                        {}};
 
 // What the part functions of one call of `run` share. They can run at the same
 // time, and must not throw through the caller's function.
@@ -88,7 +88,7 @@ detail::BvhType TypeOf(const PlaneLayout& layout) {
 }
 
 BvhConfig::BvhConfig(const Call& call, const hs_bvh_config* config) {
-  const hs_bvh_config read = ReadConfig(call, config, kDefaults);
+  const hs_bvh_config read = ReadConfig(call, config, kBvhDefaults);
   layout = LayoutOf(call, "config->kind", read.kind);
   run = read.run;
   run_context = read.run_context;
@@ -131,8 +131,8 @@ struct hs_builder {
 
 hs_status hs_bvh_config_default(hs_bvh_config* config, size_t struct_size) {
   return halfspace::c::WriteDefaults(
-      "hs_bvh_config_default", &halfspace::c::kDefaults, sizeof(hs_bvh_config),
-      config, struct_size);
+      "hs_bvh_config_default", &halfspace::c::kBvhDefaults,
+      sizeof(hs_bvh_config), config, struct_size);
 }
 
 hs_status hs_bvh_create(const hs_bvh_config* config, const hs_columns* objects,
@@ -340,7 +340,7 @@ hs_status hs_bvh_rebuild(hs_bvh* bvh, const hs_bvh_config* config) {
   return Run("hs_bvh_rebuild", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
     const hs_bvh_config read = halfspace::c::ReadOptions(
-        call, "config", config, halfspace::c::kDefaults);
+        call, "config", config, halfspace::c::kBvhDefaults);
     halfspace::c::CallerThreads threads(call, "config->run", read.run,
                                         read.run_context);
     halfspace::BuildOptions options;

@@ -28,7 +28,7 @@ struct hs_pair_events {
 namespace halfspace::c {
 namespace {
 
-constexpr hs_pair_event_options kDefaults = {
+constexpr hs_pair_event_options kPairEventDefaults = {
     sizeof(hs_pair_event_options), 0xFFFFFFFF, 0.0f, nullptr, nullptr, nullptr};
 
 // `changed` is null for all objects.
@@ -38,7 +38,7 @@ void Update(const Call& call, hs_pair_events* events, const hs_bvh* bvh,
   call.CheckPointer("events", events);
   call.CheckPointer("bvh", bvh);
   const hs_pair_event_options read =
-      ReadOptions(call, "options", options, kDefaults);
+      ReadOptions(call, "options", options, kPairEventDefaults);
   CallerThreads threads(call, "options->run", read.run, read.run_context);
   events->core.Update(
       {PairKernelsOf(call, bvh->layout), &bvh->tree, nullptr, changed},
@@ -54,7 +54,7 @@ void Update(const Call& call, hs_pair_events* events, const hs_bvh* bvh,
 hs_status hs_pair_event_options_default(hs_pair_event_options* options,
                                         size_t struct_size) {
   return halfspace::c::WriteDefaults(
-      "hs_pair_event_options_default", &halfspace::c::kDefaults,
+      "hs_pair_event_options_default", &halfspace::c::kPairEventDefaults,
       sizeof(hs_pair_event_options), options, struct_size);
 }
 

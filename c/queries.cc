@@ -20,7 +20,7 @@
 namespace halfspace::c {
 namespace {
 
-constexpr hs_query_options kDefaults = {
+constexpr hs_query_options kQueryDefaults = {
     sizeof(hs_query_options), 0xFFFFFFFF, HS_SHAPE_BOUND, 0, nullptr, 0};
 constexpr hs_pair_options kPairDefaults = {
     sizeof(hs_pair_options),
@@ -50,7 +50,7 @@ struct Queries {
           const hs_query_options* options) {
     call.CheckPointer(kName<World>, world);
     const hs_query_options read =
-        ReadOptions(call, "options", options, kDefaults);
+        ReadOptions(call, "options", options, kQueryDefaults);
     search.mask = read.mask;
     search.target = ReadTarget(call, "options", read.target);
     skip = read.skip;
@@ -109,7 +109,7 @@ struct Queries {
 SearchOptions ReadSearch(const Call& call, const hs_query_options* options,
                          bool* is_exclusive = nullptr) {
   const hs_query_options read =
-      ReadOptions(call, "options", options, kDefaults);
+      ReadOptions(call, "options", options, kQueryDefaults);
   if (is_exclusive != nullptr) *is_exclusive = read.exclusive != 0;
   return {read.mask, ReadTarget(call, "options", read.target)};
 }
@@ -693,7 +693,7 @@ using halfspace::c::WritePairs;
 hs_status hs_query_options_default(hs_query_options* options,
                                    size_t struct_size) {
   return halfspace::c::WriteDefaults(
-      "hs_query_options_default", &halfspace::c::kDefaults,
+      "hs_query_options_default", &halfspace::c::kQueryDefaults,
       sizeof(hs_query_options), options, struct_size);
 }
 

@@ -20,7 +20,7 @@ target_sources(halfspace
     c/columns.cc
     c/scan.cc)
 # As fast as with -O3, in four fifths of the code.
-if(NOT MSVC)
+if(NOT MSVC AND NOT HALFSPACE_UNITY)
   set_property(SOURCE c/bounds.cc c/broad_phase.cc c/bvh.cc c/bvh_files.cc c/pair_events.cc
     c/queries.cc c/call.cc c/columns.cc c/scan.cc
     APPEND PROPERTY COMPILE_OPTIONS $<$<CONFIG:Release>:-O2>)

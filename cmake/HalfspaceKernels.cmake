@@ -16,6 +16,11 @@ function(halfspace_add_made template name)
   set(source "${name}.cc")
   set(file "${PROJECT_BINARY_DIR}/kernels/${source}")
   configure_file("${PROJECT_SOURCE_DIR}/${template}.cc.in" "${file}" @ONLY)
+  if(HALFSPACE_UNITY AND template STREQUAL "kernels/table" AND name MATCHES "^(.*)_[2-5]$")
+    set(file "${PROJECT_BINARY_DIR}/kernels/${CMAKE_MATCH_1}_of_all.cc")
+    set_property(TARGET halfspace APPEND PROPERTY HALFSPACE_UNITY_FILES "${file}")
+    set_property(SOURCE "${file}" APPEND PROPERTY HALFSPACE_TABLES "${source}")
+  endif()
   target_sources(halfspace PRIVATE "${file}")
   set_property(SOURCE "${file}" APPEND PROPERTY COMPILE_OPTIONS ${ARGN})
   # The others have no code per target.
@@ -144,6 +149,23 @@ halfspace_add_table(bvh_shapes BvhShapeKernels
     {&RunWalk<LineQuery, true>, &RunWalk<LineQuery, false>},
     {&RunWalk<HalfSpacesQuery, true>, &RunWalk<HalfSpacesQuery, false>}}"
   ${optimised})
+
+# The tables of all axes as one source, which Highway includes once for each target.
+get_target_property(files halfspace HALFSPACE_UNITY_FILES)
+if(files)
+  list(REMOVE_DUPLICATES files)
+  foreach(file IN LISTS files)
+    get_filename_component(name "${file}" NAME)
+    get_property(tables SOURCE "${file}" PROPERTY HALFSPACE_TABLES)
+    list(TRANSFORM tables REPLACE "(.+)" "#include \"\\1\"")
+    list(JOIN tables "\n" tables)
+    file(CONFIGURE OUTPUT "${file}" CONTENT "#define HALFSPACE_UNITY
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE \"${name}\"
+${tables}
+")
+  endforeach()
+endif()
 
 # Highway 1.0.3 has no vectors of doubles on WebAssembly: the kernels with doubles are
 # plain code there. Each list of kernels has one entry, whatever it is called.

@@ -20,7 +20,7 @@ export recipes="$work/sources/packaging"
 cat >"$work/bin/cmake" <<END
 #!/bin/sh
 if [ "\$1" = -S ]; then
-  set -- "\$@" -DHALFSPACE_ONLY_SCALAR=ON -DCMAKE_CXX_FLAGS_RELEASE=-O0 "-DHALFSPACE_DIMS=2;3"
+  set -- "\$@" -DHALFSPACE_ONLY_SCALAR=ON -DHALFSPACE_UNITY=ON -DCMAKE_CXX_FLAGS_RELEASE=-O0 "-DHALFSPACE_DIMS=2;3"
 fi
 exec $(command -v cmake) "\$@"
 END

@@ -16,7 +16,7 @@
 namespace halfspace::detail {
 namespace {
 
-constexpr std::size_t kLine = sizeof(BvhHeader);
+constexpr std::size_t kHeaderBytes = sizeof(BvhHeader);
 
 [[noreturn]] void ThrowCorrupt(bool is_in_place, const std::string& expected,
                                const std::string& given) {
@@ -67,7 +67,7 @@ bool IsClosed(const BvhLevel& level) {
 // The checksum of all bytes except its own. A change of one byte always changes
 // it, because each step is reversible.
 std::uint64_t ChecksumOf(Span<const std::byte> blob) {
-  constexpr std::size_t kLanes = kLine / sizeof(std::uint64_t);
+  constexpr std::size_t kLanes = kHeaderBytes / sizeof(std::uint64_t);
   constexpr std::uint64_t kOdd = 0x9E3779B97F4A7C15;
   const auto mix = [](std::uint64_t sum, std::uint64_t word) {
     sum = (sum ^ word) * kOdd;
@@ -76,13 +76,13 @@ std::uint64_t ChecksumOf(Span<const std::byte> blob) {
   std::array<std::uint64_t, kLanes> sums{};
   const auto add = [&](const void* line) {
     std::array<std::uint64_t, kLanes> words;
-    std::memcpy(&words, line, kLine);
+    std::memcpy(&words, line, kHeaderBytes);
     for (std::size_t i = 0; i < kLanes; ++i) sums[i] = mix(sums[i], words[i]);
   };
   BvhHeader header{};
-  CopyButChecksum(&header, blob.data(), kLine);
+  CopyButChecksum(&header, blob.data(), kHeaderBytes);
   add(&header);
-  for (std::size_t i = kLine; i < blob.size(); i += kLine) {
+  for (std::size_t i = kHeaderBytes; i < blob.size(); i += kHeaderBytes) {
     add(blob.data() + i);
   }
   std::uint64_t all = 0;

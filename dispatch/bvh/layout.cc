@@ -19,7 +19,7 @@
 namespace halfspace::detail {
 namespace {
 
-constexpr std::size_t kLine = 64;
+constexpr std::size_t kCacheLine = 64;
 
 // A level is prefetched if its data has more bytes than this. Smaller data is
 // in the second-level cache or near it, and a query of 100 000 boxes would take
@@ -40,7 +40,7 @@ class Parts {
     auto* part =
         begin_ == nullptr ? nullptr : reinterpret_cast<T*>(begin_ + bytes_);
     bytes_ += count * sizeof(T);
-    Skip((kLine - bytes_ % kLine) % kLine);
+    Skip((kCacheLine - bytes_ % kCacheLine) % kCacheLine);
     return part;
   }
 

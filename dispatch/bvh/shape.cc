@@ -14,8 +14,6 @@ namespace halfspace::detail {
 
 namespace {
 
-constexpr float kInf = std::numeric_limits<float>::infinity();
-
 float RoundedDown(double value) { return -RoundedUp(-value); }
 
 // A limit for squared distances, which kernels compute in any mode: those of
@@ -23,7 +21,7 @@ float RoundedDown(double value) { return -RoundedUp(-value); }
 // (1 + 2^-19) + 2^-120, after all rounding.
 float SquaredLimit(float radius) {
   const float limit = radius * radius * (1 + 0x1.2p-18f) + 0x1p-124f;
-  if (limit >= 0x1.fffffp127f) return kInf;
+  if (limit >= 0x1.fffffp127f) return std::numeric_limits<float>::infinity();
   return limit;
 }
 

@@ -29,6 +29,7 @@ endif()
 # elsewhere.
 set(nested_library_options
   -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0 -DHALFSPACE_ONLY_SCALAR=ON
+  -DHALFSPACE_UNITY=ON
   "-DHALFSPACE_WERROR=${HALFSPACE_WERROR}")
 if(HALFSPACE_BUNDLES_HIGHWAY)
   list(APPEND nested_library_options
