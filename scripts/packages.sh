@@ -72,7 +72,13 @@ install_packages() {
 
   require_root "apt-get install ${missing[*]}"
   say "These packages are missing and will be installed: ${missing[*]}"
-  step "apt-get update" as_root apt-get -q update
+  # Once for all parts of CI, and again when there is an architecture more.
+  local architectures
+  architectures=$(dpkg --print-architecture; dpkg --print-foreign-architectures)
+  if [ "${apt_lists_of-}" != "$architectures" ]; then
+    step "apt-get update" as_root apt-get -q update
+    export apt_lists_of=$architectures
+  fi
   step "apt-get install" as_root env DEBIAN_FRONTEND=noninteractive \
     apt-get -q -y --no-install-recommends install "${missing[@]}"
 }
