@@ -21,7 +21,6 @@
 #include "tests/fuzz/run_input.h"
 #include "tests/library/quantized/quantized_answers.h"
 #include "tests/library/support/environment.h"
-#include "tests/library/support/many_canaries.h"
 #include "tests/library/support/owners.h"
 
 namespace halfspace::testing {
@@ -203,40 +202,33 @@ class UpdatedQuantized {
     }
   }
 
-  AnyQueries Query(std::size_t q) const { return {&queries_[q * planes_], 1}; }
-
   // By one call; what an update did wrong, all of them show.
   ::testing::AssertionResult CheckUpdated(const AnyOwner& owner,
                                           const Records& model) const {
     const auto floats = row_.MakeFloats(model);
-    for (std::size_t q = 0; q < kQueries; ++q) {
-      Answer exact;
-      exact.AssignReference(floats->seen(), Query(q));
-      auto result =
-          KeepsAllOf(exact, AnswerByMask(owner.quantized(), Query(q), target_));
-      if (!result) return result;
-      const Answer refined =
-          AnswerByMask(owner.Refined(*floats), Query(q), target_);
-      if (!internal::Same(exact.reject_mask(), refined.reject_mask())) {
-        return ::testing::AssertionFailure() << "wrong (refined)";
-      }
-    }
-    return ::testing::AssertionSuccess();
+    const AnyQueries queries(queries_.data(), kQueries);
+    const Answers exact = Answers::OfReference(floats->seen(), queries);
+    auto result =
+        KeepsAllOf(exact, Answers::OfCall(owner.quantized(), queries, target_));
+    if (!result) return result;
+    const Answers refined =
+        Answers::OfCall(owner.Refined(*floats), queries, target_);
+    if (std::ranges::equal(exact.rejected(), refined.rejected())) return result;
+    return ::testing::AssertionFailure() << "wrong (refined)";
   }
 
   ::testing::AssertionResult CheckAllCalls(const AnyOwner& owner,
                                            const Records& model) const {
     const auto floats = row_.MakeFloats(model);
-    const std::span<const Target> target(&target_, 1);
-    Answer exact;
-    exact.AssignReference(floats->seen(), Query(0));
-    auto result = QuantizedAnswersEverywhere(
-        owner.quantized(), owner.Refined(*floats), exact, Query(0), target);
-    if (!result) return result;
-    const AnyQueries many(queries_.data(), many_);
-    ManyAnswers answers;
-    answers.AssignReference(floats->seen(), many);
-    return AnswersManyEverywhere(answers, owner.Refined(*floats), many, target);
+    for (std::size_t count : {std::size_t{1}, many_}) {
+      const AnyQueries queries(queries_.data(), count);
+      const auto result = QuantizedAnswersEverywhere(
+          owner.quantized(), owner.Refined(*floats),
+          Answers::OfReference(floats->seen(), queries), queries,
+          {&target_, 1});
+      if (!result) return result;
+    }
+    return ::testing::AssertionSuccess();
   }
 
   const OwnerRow& row_;

@@ -57,18 +57,17 @@ class QuantizedPairsTest : public ::testing::TestWithParam<QuantizedRow> {
   }
 
   // Masks alone, for the other outputs are made of them.
-  ::testing::AssertionResult RejectsEverywhere(const Answer& answer,
+  ::testing::AssertionResult RejectsEverywhere(const Answers& answers,
                                                const AnyWorld& quantized,
                                                const AnyQueries& query) {
-    mask_.resize(answer.reject_mask().size());
+    mask_.resize(answers.rejected().size());
     for (Target target : TargetsUnderTest()) {
       for (Schedule schedule : kSchedules) {
         const Options options{.schedule = schedule, .target = target};
         detail::RejectMask(quantized.Asked(query), mask_, options);
-        const std::span<const std::uint64_t> mask = mask_;
-        if (internal::Same(answer.reject_mask(), mask)) continue;
-        return internal::FailElement("RejectMask", options,
-                                     answer.reject_mask(), mask);
+        Differences compare(options);
+        compare.Find<std::uint64_t>("RejectMask", answers.rejected(), mask_);
+        if (!compare.first()) return compare.first();
       }
     }
     return ::testing::AssertionSuccess();
@@ -107,11 +106,11 @@ TEST_P(QuantizedPairsTest, AreComparedAsTheirLevelsAre) {
     std::array<float, 10> query{};
     for (const std::uint32_t level : QueryLevels(p)) {
       query[OpposingValue(GetParam().layout, p)] = ValueOf(level);
-      const Answer answer(most_ + 1, [&](std::size_t i) {
+      const Answers answers(most_ + 1, [&](std::size_t i) {
         return is_min ? i > level : i < level;
       });
       ASSERT_TRUE(
-          RejectsEverywhere(answer, quantized->quantized(), {query.data(), 1}))
+          RejectsEverywhere(answers, quantized->quantized(), {query.data(), 1}))
           << "plane " << p << ", level " << level << " of the query";
     }
   }
