@@ -2,25 +2,24 @@
 // it, and whether it has changed since it was last copied into the tree.
 //
 // Who reads and writes what:
-// - A mover makes the record's version odd, sets the body's mark, writes the
-//   bound, and makes the version even. If the mark was not set before, it
-//   stamps the record with the number of late queries so far.
-// - A thread with exclusive access clears marks, and then copies the bounds of
+// - A mover makes the record's version odd, writes the bound, sets the body's
+//   mark, and makes the version even. If the mark was not set before, it stamps
+//   the record with the number of late queries so far.
+// - A thread with exclusive access takes marks, and then copies the bounds of
 //   these bodies. It waits while a version is odd.
 // - A query that cannot have exclusive access is a late query, and adds 1 to
 //   their number. Bodies with a mark and a stamp of at most the number before
 //   are late: their bounds in the tree are older than the query. No mark is
-//   cleared during a query, and a body that gets its mark during the query gets
+//   taken during a query, and a body that gets its mark during the query gets
 //   a later stamp. So each body is late or not for all of the query.
 //
-// No bound is lost. Marks are taken between two changes of takes_, with a fence
-// after the first change and before the second. A mover has a fence between its
-// write of the bound and its second read of takes_. If takes_ has not changed,
-// the marks were taken before its move or will be taken after it. Otherwise the
-// mover reads each mark again, and sets it if it is gone. A query has a fence
-// between its number and its read of a mark, and a mover between its mark and
-// its read of the number. So if a query does not see a mark, its number is less
-// than the stamp.
+// No bound is lost. Marks have three levels: a bit for each body, a bit for
+// each 64 bodies, and one for all. A mover sets them upwards, a level only
+// where it is not set, and they are taken downwards, each by one exchange. All
+// of these accesses and those of the number of queries are in one total order.
+// So a mover that finds a level set is before the exchange of that level, and
+// its mark is taken. And if a query does not see a mark, the mover reads the
+// number of queries later, and its stamp is greater.
 #ifndef HALFSPACE_DISPATCH_BROAD_PHASE_RECORDS_H_
 #define HALFSPACE_DISPATCH_BROAD_PHASE_RECORDS_H_
 
@@ -38,28 +37,9 @@
 #include "halfspace/span.h"
 #include "kernels/compiler.h"
 
-#if defined(__has_feature)
-#if __has_feature(thread_sanitizer)
-#define HALFSPACE_THREAD_SANITIZER 1
-#endif
-#elif defined(__SANITIZE_THREAD__)
-#define HALFSPACE_THREAD_SANITIZER 1
-#endif
-
 namespace halfspace::detail {
 
 inline constexpr std::size_t kMostBodyPlanes = 8;  // AaboBroadPhase3
-
-// Orders the writes of this thread before its later reads. The thread sanitizer
-// does not support fences, and needs none, because all accesses are atomic.
-inline void Fence() {
-#ifdef HALFSPACE_THREAD_SANITIZER
-  static constinit std::atomic<int> word{0};
-  word.fetch_add(0, std::memory_order_seq_cst);
-#else
-  std::atomic_thread_fence(std::memory_order_seq_cst);
-#endif
-}
 
 // Calls function(axes) with a constant: loops over the axes have no branches.
 template <typename Function>
@@ -103,10 +83,7 @@ class Records {
   bool HasMarks() const { return has_marks_.load(std::memory_order_acquire); }
   // Returns the number of a new query.
   std::uint32_t NextQuery() {
-    const std::uint32_t query =
-        queries_.fetch_add(1, std::memory_order_seq_cst);
-    Fence();
-    return query;
+    return queries_.fetch_add(1, std::memory_order_seq_cst);
   }
 
   // These need that no other thread has exclusive access.
@@ -114,9 +91,7 @@ class Records {
   // `id` is the id of a body.
   bool IsLate(std::uint32_t id, std::uint32_t query) const {
     const Group& group = *GroupAt(id / kGroupIds);
-    if (group.marks[id % kGroupIds].load(std::memory_order_acquire) == 0) {
-      return false;
-    }
+    if ((group.MarksOf(id / 64 % 64) >> id % 64 & 1) == 0) return false;
     const auto stamp = static_cast<std::uint32_t>(Settled(*At(id)) >> 32);
     return static_cast<std::int32_t>(query - stamp) >= 0;
   }
@@ -126,7 +101,7 @@ class Records {
     for (std::size_t g = 0; g < group_count(); ++g) {
       const Group* const group = GroupAt(g);
       if (group == nullptr) continue;
-      for (std::uint64_t some = group->some.load(std::memory_order_acquire);
+      for (std::uint64_t some = group->some.load(std::memory_order_seq_cst);
            some != 0; some &= some - 1) {
         const std::size_t w = LowestBit(some);
         for (std::uint64_t bits = group->MarksOf(w); bits != 0;
@@ -238,18 +213,15 @@ class Records {
   static constexpr std::size_t kGroupIds = 64 * 64;
   struct Group {
     std::atomic<std::uint64_t> some;  // a bit for 64 bodies, some with marks
-    std::atomic<std::uint8_t> marks[kGroupIds];  // 1 or 0
+    std::atomic<std::uint64_t> marks[64];  // a bit for each body
     std::uint64_t some_taken;
     std::uint64_t taken[64];         // of these
     std::uint64_t changed[2][64];    // by ChangedSet
     std::atomic<Word*> records[64];  // of 64 ids each, or null
 
-    // Marks are written as bytes and read eight at a time. On the supported
-    // machines these accesses are atomic to each other.
-    std::uint64_t MarksOf(std::size_t w) const;
-    std::uint64_t TakeMarksOf(std::size_t w);
-    template <typename EightAt>
-    static std::uint64_t MarksBy(std::size_t w, const EightAt& eight_at);
+    std::uint64_t MarksOf(std::size_t w) const {
+      return marks[w].load(std::memory_order_seq_cst);
+    }
   };
   using GroupSlot = std::atomic<Group*>;
   // A mover may still read an old list of groups, so old lists stay until the
@@ -338,9 +310,9 @@ class Records {
     }
   }
   template <std::size_t... kWord>
-  void MoveSome(std::index_sequence<kWord...> each,
+  void MoveEach(std::index_sequence<kWord...> each,
                 Span<const std::uint32_t> ids, const float* planes);
-  void MarkAgain(std::uint32_t id);
+  std::uint64_t Mark(Group& group, std::size_t w, std::uint64_t bits);
   void Add(ChangedSet set, Group& group, std::size_t w, std::uint64_t bits) {
     counts_[set] += PopCount(bits & ~group.changed[set][w]);
     group.changed[set][w] |= bits;
@@ -354,7 +326,6 @@ class Records {
   std::atomic<GroupList*> list_{nullptr};
   std::atomic<bool> has_marks_{false};
   std::atomic<std::uint32_t> queries_{0};
-  std::atomic<std::uint64_t> takes_{0};  // odd while marks are taken
 };
 
 }  // namespace halfspace::detail

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <string>
 
@@ -192,6 +193,14 @@ std::array<float, 4> MarginsOf(const PlaneLayout& layout, float margin) {
   return margins;
 }
 
+// Whether a list without absent ids is of all objects. Looks at sorted lists
+// only: for these it is a fraction of what the set would take.
+bool IsOfAll(const BvhTree& tree, Span<const std::uint32_t> ids) {
+  return ids.size() == tree.size() &&
+         std::adjacent_find(ids.begin(), ids.end(),
+                            std::greater_equal<std::uint32_t>()) == ids.end();
+}
+
 // A function of its own, as Search().
 HALFSPACE_NOINLINE void JoinSet(const BvhPairKernels& kernels, PairJoin& join,
                                 const BvhTree& tree,
@@ -231,7 +240,11 @@ void FindPairs(const PairSources& sources, const PairOptions& options,
   join.begin = options.begin;
   join.end = std::min(options.end, BlocksOf(a.levels().level[0].size));
   join.pairs = &pairs;
-  if (sources.ids == nullptr) return kernels.join(join);
+  // The pairs of all objects are those of the world, in the same order.
+  if (sources.ids == nullptr || (join.is_one_world && options.wanted.empty() &&
+                                 IsOfAll(a, *sources.ids))) {
+    return kernels.join(join);
+  }
   JoinSet(kernels, join, a, *sources.ids, options.wanted);
 }
 

@@ -321,7 +321,7 @@ class Walker {
     }
     if (IsInside(place)) return;
     if constexpr (Query::kHasCodes) {
-      // A tree without codes is small, or a broad phase's.
+      // A tree without codes is small.
       if (levels_.codes == nullptr) return;
       PrefetchAll<Query::kPlanes * detail::kBlockObjects>(CodesOf(place));
     } else {

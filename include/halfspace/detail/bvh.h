@@ -35,7 +35,7 @@ namespace detail {
 struct BvhKernels;
 
 // The kernels of BVHs with kAxes axes, of each compiled target, best
-// first: an object file of the library for each, as KernelsOf of scan.h.
+// first: an object file of the library for each, as ScanKernelsOf of scan.h.
 template <std::size_t kAxes>
 struct HALFSPACE_API BvhKernelsOf {
   static const BvhKernels* const kTargets;

@@ -226,6 +226,20 @@ TEST(BvhPairsTest, OfSetsAmongManyAreThoseOfAllPairsThatTouchTheSet) {
         ASSERT_EQ(InOrder(got, true), InOrder(expected, true));
       }
     }
+    // All objects, and, by as many ids, all but two that touch.
+    Ids ids(bvh.ids().begin(), bvh.ids().end());
+    for (bool is_sorted : {false, true}) {
+      if (is_sorted) std::sort(ids.begin(), ids.end());
+      std::vector<IdPair> got(all.size());
+      ASSERT_EQ(PairsOf(bvh, ids, got), all.size());
+      ASSERT_EQ(InOrder(got, true), InOrder(all, true));
+      Ids others = ids;
+      for (std::uint32_t& id : others) {
+        if (id == all[0].a || id == all[0].b) id = all.back().b;
+      }
+      if (is_sorted) std::sort(others.begin(), others.end());
+      ASSERT_EQ(PairsOf(bvh, others, Span<IdPair>()), all.size() - 1);
+    }
   }
 }
 
