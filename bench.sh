@@ -21,23 +21,32 @@ for argument in "$@"; do
 done
 
 # The kernels of 4 dimensions are compiled for the experiments of the paper alone. The
-# library is compiled without what cpuinfo-bench does not call.
+# library is compiled without what cpuinfo-bench does not call, and without --details and
+# --list also the tool without the sections that are not on the page.
 arguments=()
 program=cpuinfo-bench
 folder=bench
-options=("-DHALFSPACE_DIMS=2;3" -DHALFSPACE_C=OFF -DHALFSPACE_BENCH_ALONE=ON)
+alone=PAGE
+packages=()
 for argument in "$@"; do
   case $argument in
-    --paper)
-      program=paper-bench
-      folder=release
-      options=()
-      ;;
+    --paper) program=paper-bench ;;
     *) arguments+=("$argument") ;;
   esac
+  case $argument in
+    --paper | --details* | --list)
+      alone=ON
+      packages=("${competitor_packages[@]}")
+      ;;
+  esac
 done
+options=("-DHALFSPACE_DIMS=2;3" -DHALFSPACE_C=OFF "-DHALFSPACE_BENCH_ALONE=$alone")
+if [ "$program" = paper-bench ]; then
+  folder=release
+  options=()
+fi
 
-prepare_machine "${competitor_packages[@]}"
+prepare_machine "${packages[@]}"
 build_preset release -B "$folder" "${options[@]}" "$program"
 say "==> run $program"
 exec "$root/build/$folder/bench/$program" "${arguments[@]}"

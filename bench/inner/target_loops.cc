@@ -60,29 +60,15 @@ uint32_t ReadPlanes(bool by_plane, const float* const* planes,
   return folded;
 }
 
-void CopyStreams(bool streamed, const bench::CopyJob& job) {
+void CopyLines(bool streamed, const uint32_t* from, uint32_t* to,
+               size_t count) {
   const MemoryTag d;
-  auto a = hn::Zero(d), b = a, c = a, e = a;
-  for (size_t i = 0; i < job.objects; i += bench::kCopyObjects) {
-    for (const auto& stream : job.reads) {
-      const size_t bytes = bench::kCopyObjects * stream.object_bytes;
-      const uint8_t* const from = stream.begin + i * stream.object_bytes;
-      for (size_t l = 0; l < bytes; l += bench::kReadBytes) {
-        ReadChunk(from + l, a, b, c, e);
-      }
-    }
-    const auto all = hn::Or(hn::Or(a, b), hn::Or(c, e));
-    for (const auto& stream : job.writes) {
-      const size_t words = bench::kCopyObjects * stream.object_bytes / 4;
-      auto* const to =
-          reinterpret_cast<uint32_t*>(stream.begin + i * stream.object_bytes);
-      for (size_t l = 0; l < words; l += hn::Lanes(d)) {
-        if (streamed) {
-          hn::Stream(all, d, to + l);
-        } else {
-          hn::StoreU(all, d, to + l);
-        }
-      }
+  for (size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const Words words = hn::LoadU(d, from + i);
+    if (streamed) {
+      hn::Stream(words, d, to + i);
+    } else {
+      hn::StoreU(words, d, to + i);
     }
   }
   if (streamed) hwy::FlushStream();
@@ -101,7 +87,7 @@ template <>
 TargetLoops LoopsOf<HWY_TARGET>() {
   return {.one_query_lanes = &HWY_NAMESPACE::OneQueryLanes,
           .read = &HWY_NAMESPACE::ReadPlanes,
-          .copy = &HWY_NAMESPACE::CopyStreams};
+          .copy = &HWY_NAMESPACE::CopyLines};
 }
 
 }  // namespace halfspace::bench

@@ -23,31 +23,77 @@
 namespace halfspace::bench {
 namespace {
 
-// A case that answers queries with lists of survivors. find(query) returns how
-// many there are: as many as in a flat scan of `view`, for some queries.
-template <typename View, typename Find>
-Case ListCase(std::string name, const View& view,
-              const std::vector<typename View::Query>& queries,
-              std::size_t per_run, Find find) {
-  Case c = InTurn(std::move(name), queries, queries.size(), per_run,
-                  [find](const auto& query) { std::ignore = find(query); });
-  c.check = [view, &queries, find]() -> std::string {
-    for (std::size_t q = 0; q < std::min<std::size_t>(64, queries.size());
-         ++q) {
-      if (find(queries[q]) !=
-          CountSurvivors(view, queries[q], {.schedule = Schedule::kFlat})) {
-        return "the survivors are not as many as a flat scan finds";
-      }
-    }
-    return {};
-  };
-  return c;
-}
+// A world in three structures, each of which answers queries with lists of
+// survivors.
+template <typename View>
+class Structures {
+ public:
+  using Query = typename View::Query;
 
-// Of a scan that takes few, a run has more queries.
-std::size_t QueriesInScan(std::size_t objects) {
-  return std::clamp<std::size_t>((std::size_t{1} << 16) / objects, 1, 64);
-}
+  Structures(const View& view, std::span<const Aabo3> queries, Target target,
+             const BuildOptions& build)
+      : view_(view),
+        bytes_(view),
+        bvh_(view, build),
+        target_(target),
+        found_(view.size) {
+    for (const Aabo3& query : queries) queries_.push_back(SeenAs<Query>(query));
+  }
+
+  // A scan of floats, one of uint8, and a BVH. They are timed per query.
+  std::vector<Case> Cases(const std::string& place) {
+    return {
+        CaseOf(place + "/scan",
+               [this](const Query& query) {
+                 return Survivors(view_, query, found_, {.target = target_});
+               }),
+        CaseOf(place + "/quantized",
+               [this](const Query& query) {
+                 return Survivors(bytes_, query, found_, {.target = target_});
+               }),
+        CaseOf(place + "/BVH", [this](const Query& query) {
+          return Survivors(bvh_, query, found_, {.target = target_});
+        })};
+  }
+
+  // Of a query: the mean of some.
+  double MeanSurvivors() const {
+    const std::size_t counted = std::min<std::size_t>(256, queries_.size());
+    std::size_t sum = 0;
+    for (std::size_t q = 0; q < counted; ++q) {
+      sum += CountSurvivors(view_, queries_[q]);
+    }
+    return static_cast<double>(sum) / static_cast<double>(counted);
+  }
+
+ private:
+  // find(query) returns how many survivors it lists: as many as a flat scan
+  // counts, for some queries.
+  Case CaseOf(std::string name,
+              const std::function<std::size_t(const Query&)>& find) {
+    Case c = CaseOfQueries(
+        std::move(name), queries_.size(), view_.size,
+        [this, find](std::size_t q) { std::ignore = find(queries_[q]); });
+    c.check = [this, find]() -> std::string {
+      for (std::size_t q = 0; q < std::min<std::size_t>(64, queries_.size());
+           ++q) {
+        if (find(queries_[q]) !=
+            CountSurvivors(view_, queries_[q], {.schedule = Schedule::kFlat})) {
+          return "the survivors are not as many as a flat scan finds";
+        }
+      }
+      return {};
+    };
+    return c;
+  }
+
+  View view_;
+  QuantizedWorld<View> bytes_;
+  Bvh<View> bvh_;
+  Target target_;
+  std::vector<Query> queries_;
+  std::vector<std::uint32_t> found_;
+};
 
 // ---- Which bound, precision and structure.
 
@@ -56,92 +102,54 @@ struct Way {
   std::string shape;
   std::string structure;  // "scan" or "BVH"
   std::string precision;  // "floats" or "uint8"
-  double survivors;       // of a query
-  Timing time = {};       // of a query, with the exact test of survivors
+  Timing time;            // of a query, with the exact test of survivors
 
   std::string name() const { return shape + " " + structure + " " + precision; }
 };
-
-// Every way to query one world with one kind of bound.
-template <typename View>
-class WaysOf {
- public:
-  using Query = typename View::Query;
-
-  WaysOf(ShapeKind shape, const View& view, std::span<const Aabo3> queries,
-         const Options& options)
-      : shape_(NameOf(shape)),
-        view_(view),
-        bytes_(view),
-        bvh_(view),
-        options_(options),
-        found_(view.size) {
-    for (const Aabo3& query : queries) queries_.push_back(SeenAs<Query>(query));
-  }
-
-  void AddTo(std::vector<Way>& ways, std::vector<Case>& cases) {
-    constexpr std::size_t kCounted = 256;
-    const std::size_t counted = std::min(kCounted, queries_.size());
-    double survivors = 0.0;
-    for (std::size_t q = 0; q < counted; ++q) {
-      survivors += static_cast<double>(CountSurvivors(view_, queries_[q])) /
-                   static_cast<double>(counted);
-    }
-    const auto add = [&](const char* structure, const char* precision,
-                         std::size_t per_run, auto find) {
-      ways.push_back({shape_, structure, precision, survivors});
-      cases.push_back(ListCase("answers/" + ways.back().name(), view_, queries_,
-                               per_run, find));
-      cases.back().group = "answers";
-    };
-    const std::size_t in_scan = QueriesInScan(view_.size);
-    add("scan", "floats", in_scan, [this](const Query& query) {
-      return Survivors(view_, query, found_, options_);
-    });
-    add("scan", "uint8", in_scan, [this](const Query& query) {
-      return Survivors(bytes_, query, found_, options_);
-    });
-    add("BVH", "floats", 64, [this](const Query& query) {
-      return Survivors(bvh_, query, found_, {.target = options_.target});
-    });
-  }
-
- private:
-  std::string shape_;
-  View view_;
-  QuantizedWorld<View> bytes_;
-  Bvh<View> bvh_;
-  Options options_;
-  std::vector<Query> queries_;
-  std::vector<std::uint32_t> found_;
-};
+using Ways = std::vector<Way>;
 
 // The fastest first.
-std::vector<Way> MeasureWays(Run& run, const AaboWorld3& world) {
-  const std::vector<Aabo3>& queries = run.Measured().timed_queries;
-  const Options options{.target = run.best()};
+Ways MeasureWays(Run& run, const AaboWorld3& world) {
   const AaboView3 view = world.view();
-  WaysOf<SimplexView3> simplex(ShapeKind::kSimplex, view.simplex(), queries,
-                               options);
-  WaysOf<AabbView3> aabb(ShapeKind::kAabb, view.aabb(), queries, options);
-  WaysOf<AaboView3> aabo(ShapeKind::kAabo, view, queries, options);
-  std::vector<Way> ways;
+  const auto in = [&](const auto& of_shape) {
+    return Structures<std::decay_t<decltype(of_shape)>>(
+        of_shape, run.Measured().timed_queries, run.best(), {});
+  };
+  auto simplex = in(view.simplex());
+  auto aabb = in(view.aabb());
+  auto aabo = in(view);
   std::vector<Case> cases;
-  simplex.AddTo(ways, cases);
-  aabb.AddTo(ways, cases);
-  aabo.AddTo(ways, cases);
+  std::vector<Way> all;
+  std::vector<double> survivors;
+  const auto add = [&](ShapeKind shape, auto& structures) {
+    const char* const name = NameOf(shape);
+    for (Case& c : structures.Cases(std::string("answers/") + name)) {
+      c.group = "answers";
+      cases.push_back(std::move(c));
+      survivors.push_back(structures.MeanSurvivors());
+    }
+    all.push_back({name, "scan", "floats", {}});
+    all.push_back({name, "scan", "uint8", {}});
+    all.push_back({name, "BVH", "floats", {}});
+  };
+  add(ShapeKind::kSimplex, simplex);
+  add(ShapeKind::kAabb, aabb);
+  add(ShapeKind::kAabo, aabo);
   // Enough for a range that another run does not leave.
   Effort effort = run.effort;
   if (run.options.repetitions == 0) effort.repetitions = kGroups;
   const std::vector<Timing> timings = run.Time(cases, effort);
   const double exact_ns = run.TheExactTest().ns.median;
-  for (std::size_t i = 0; i < ways.size(); ++i) {
-    ways[i].time = timings[i];
-    for (double& ns : ways[i].time.samples) ns += exact_ns * ways[i].survivors;
+  Ways ways;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i].time = timings[i];
+    for (double& ns : all[i].time.samples) ns += exact_ns * survivors[i];
+    const auto slower = std::upper_bound(
+        ways.begin(), ways.end(), all[i], [](const Way& a, const Way& b) {
+          return a.time.Median() < b.time.Median();
+        });
+    ways.insert(slower, all[i]);
   }
-  std::sort(ways.begin(), ways.end(), [](const Way& a, const Way& b) {
-    return a.time.Median() < b.time.Median();
-  });
   return ways;
 }
 
@@ -160,9 +168,9 @@ void AddAnswer(Table& table, const std::string& question,
 }
 
 // The best way of all, and the best of those that are_others.
-template <typename AreOthers, typename Name>
-void AddWays(Table& table, const char* question, const std::vector<Way>& ways,
-             AreOthers are_others, Name name) {
+void AddWays(Table& table, const char* question, const Ways& ways,
+             const std::function<bool(const Way&)>& are_others,
+             const std::function<std::string(const Way&)>& name) {
   const auto one = std::find_if_not(ways.begin(), ways.end(), are_others);
   const auto other = std::find_if(ways.begin(), ways.end(), are_others);
   if (one == ways.end() || other == ways.end()) return;
@@ -200,12 +208,12 @@ Table AnswersTable(Run& run) {
   constexpr std::size_t kMostObjects = std::size_t{1} << 20;
   const AaboWorld3 world = Thinned(
       run.Measured().objects, run.is_quick() ? kMostObjects / 8 : kMostObjects);
-  const std::vector<Way> ways = MeasureWays(run, world);
+  const Ways ways = MeasureWays(run, world);
   AddWays(
       table, "shape", ways,
       [&](const Way& way) { return way.shape != ways.front().shape; },
       [](const Way& way) { return way.name(); });
-  std::vector<Way> scans = ways;
+  Ways scans = ways;
   std::erase_if(scans, [](const Way& way) { return way.structure == "BVH"; });
   AddWays(
       table, "precision of scans", scans,
@@ -263,27 +271,10 @@ Row StructuresRow(Run& run, std::size_t objects, const Effort& effort) {
   const Workload scene =
       SceneOfSize(kShare, objects, run.options.seed, /*queries=*/2000);
   const AabbView3 view = scene.objects.view().aabb();
-  const QuantizedWorld<AabbView3> quantized(view);
-  const Bvh<AabbView3> bvh(view, kFast);
-  const Options options{.target = run.best()};
-  std::vector<std::uint32_t> found(objects);
-  std::vector<Aabb3> queries;
-  for (const Aabo3& query : scene.queries) queries.push_back(query.aabb());
-
+  Structures<AabbView3> structures(view, scene.queries, run.best(), kFast);
   enum Job : std::size_t { kScan, kQuantized, kBvh, kEncode, kBuild };
-  std::vector<Case> cases(5);
-  const std::size_t in_scan = QueriesInScan(objects);
-  cases[kScan] = ListCase(
-      "structures/scan", view, queries, in_scan,
-      [&](const Aabb3& box) { return Survivors(view, box, found, options); });
-  cases[kQuantized] = ListCase(
-      "structures/quantized", view, queries, in_scan, [&](const Aabb3& box) {
-        return Survivors(quantized, box, found, options);
-      });
-  cases[kBvh] =
-      ListCase("structures/BVH", view, queries, 64, [&](const Aabb3& box) {
-        return Survivors(bvh, box, found, {.target = options.target});
-      });
+  std::vector<Case> cases = structures.Cases("structures");
+  cases.resize(5);
   cases[kEncode].name = "structures/encode";
   cases[kEncode].run = [&] {
     const QuantizedWorld<AabbView3> made(view);

@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -42,12 +43,18 @@ struct Result {
        Value("Bvh", "ns/body", 1), Lower("over the Bvh")}};
 };
 
-// Gives objects of a Bvh other bounds, as BroadPhase::Update() does: it sorts
-// about a 16th of the objects if the order has decayed. All ids are
-// 0, 1, and so on.
+// Gives bodies other bounds. A Bvh sorts about a 16th of its objects if the
+// order has decayed, as BroadPhase::Update() does. All ids are 0, 1, and so on.
 template <int kDims>
-void ChangeTree(Bvh<AabbView<kDims>>& tree, std::span<const std::uint32_t> ids,
-                std::span<const Aabb<kDims>> boxes) {
+void Change(BroadPhase<AabbView<kDims>>& world,
+            std::span<const std::uint32_t> ids,
+            std::span<const Aabb<kDims>> boxes) {
+  world.Move(ids, boxes);
+  world.Update();
+}
+template <int kDims>
+void Change(Bvh<AabbView<kDims>>& tree, std::span<const std::uint32_t> ids,
+            std::span<const Aabb<kDims>> boxes) {
   if (ids.size() == tree.size()) {
     tree.Refit(boxes);
   } else {
@@ -58,60 +65,35 @@ void ChangeTree(Bvh<AabbView<kDims>>& tree, std::span<const std::uint32_t> ids,
   }
 }
 
-template <int kDims>
-struct PlainTree {
-  void Insert(std::span<const std::uint32_t> /*ids*/,
-              std::span<const Aabb<kDims>> boxes) {
-    world = Bvh<AabbView<kDims>>(boxes);
-  }
-  void Step(std::span<const std::uint32_t> ids,
-            std::span<const Aabb<kDims>> boxes) {
-    ChangeTree<kDims>(world, ids, boxes);
-  }
-
-  Bvh<AabbView<kDims>> world;
-};
-
-template <int kDims>
-struct Bodies {
-  explicit Bodies(bool has_lock) : world({.caller_locks = !has_lock}) {}
-
-  void Insert(std::span<const std::uint32_t> ids,
-              std::span<const Aabb<kDims>> boxes) {
-    world.Insert(ids, boxes);
-    world.Update();
-  }
-  void Step(std::span<const std::uint32_t> ids,
-            std::span<const Aabb<kDims>> boxes) {
-    world.Move(ids, boxes);
-    world.Update();
-  }
-
-  BroadPhase<AabbView<kDims>> world;
-};
-
-// Their calls have the same names.
-template <int kDims, typename Space>
+template <int kDims, typename World>
 class OurSpace : public BodySpace<kDims> {
   using Base = BodySpace<kDims>;
   using typename Base::Boxes;
   using typename Base::Ids;
 
  public:
-  template <typename... Options>
-  explicit OurSpace(std::size_t bodies, Options... options)
-      : Base(bodies), space_(options...) {}
+  OurSpace(std::size_t bodies, World world)
+      : Base(bodies), world_(std::move(world)) {}
 
-  void Insert(Ids ids, Boxes boxes) override { space_.Insert(ids, boxes); }
-  void Step(Ids ids, Boxes boxes) override { space_.Step(ids, boxes); }
+  void Insert(Ids ids, Boxes boxes) override {
+    if constexpr (std::is_same_v<World, Bvh<AabbView<kDims>>>) {
+      world_ = World(boxes);
+    } else {
+      world_.Insert(ids, boxes);
+      world_.Update();
+    }
+  }
+  void Step(Ids ids, Boxes boxes) override {
+    Change<kDims>(world_, ids, boxes);
+  }
   void PairsOf(Ids ids, std::vector<IndexPair>& found) override {
-    ForEachPairOf(space_.world, ids, [&](Span<const IdPair> pairs) {
+    ForEachPairOf(world_, ids, [&](Span<const IdPair> pairs) {
       for (const IdPair& pair : pairs) found.push_back({pair.a, pair.b});
     });
   }
 
  private:
-  Space space_;
+  World world_;
 };
 
 // All broad phases on one scene.
@@ -134,12 +116,16 @@ class BodyContest {
       space->Insert(all_, scene_.At(all_, 0));
       contestants_.push_back({std::move(name), who, std::move(space), 0});
     };
-    add("halfspace", Who::kOurs,
-        std::make_unique<OurSpace<kDims, Bodies<kDims>>>(bodies, true));
-    add("halfspace, caller's lock", Who::kOurs,
-        std::make_unique<OurSpace<kDims, Bodies<kDims>>>(bodies, false));
-    add("halfspace Bvh", Who::kOurs,
-        std::make_unique<OurSpace<kDims, PlainTree<kDims>>>(bodies));
+    const auto add_ours = [&](const char* name, auto world) {
+      add(name, Who::kOurs,
+          std::make_unique<OurSpace<kDims, decltype(world)>>(bodies,
+                                                             std::move(world)));
+    };
+    using View = AabbView<kDims>;
+    add_ours("halfspace", BroadPhase<View>());
+    add_ours("halfspace, caller's lock",
+             BroadPhase<View>({.caller_locks = true}));
+    add_ours("halfspace Bvh", Bvh<View>());
     for (const auto& competitor : Registered<Space>::All()) {
       if (bodies > competitor.most) continue;
       add(competitor.name, Who::kCompetitor, competitor.make(bodies));
@@ -315,16 +301,13 @@ class BodyChanges {
                     const std::size_t turn = frame % (2 * Scene::kStates - 2);
                     to = &states[std::min(turn, 2 * Scene::kStates - 2 - turn)];
                   },
-                  {[&] { ChangeTree<kDims>(tree_, moved, *to); },
+                  {[&] { Change<kDims>(tree_, moved, *to); },
                    [&] {
                      found[0] = moved.size() == all_.size()
                                     ? Pairs(tree_, pairs)
                                     : PairsOf(tree_, moved, pairs);
                    },
-                   [&] {
-                     space_.Move(moved, *to);
-                     space_.Update();
-                   },
+                   [&] { Change<kDims>(space_, moved, *to); },
                    [&] { found[1] = PairsOf(space_, moved, pairs); },
                    [&] {
                      space_.UpdatePairs();

@@ -1,8 +1,12 @@
+// Bulk builders next to a copy of as many bytes, and the builders of one shape.
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,7 +15,6 @@
 #include "bench/inner/target_loops.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
-#include "bench/worlds/build_source.h"
 #include "bench/worlds/random.h"
 #include "bench/worlds/workload.h"
 #include "halfspace/halfspace.h"
@@ -25,106 +28,195 @@ Effort ShareOf(Effort effort) {
   return effort;
 }
 
-bool IsInCache(const WorkingSetSize& size) { return size.name != "memory"; }
+// What a bulk builder bounds: as many shapes as take about `all_bytes` with
+// their bounds, where the objects of a workload lie.
+struct Source {
+  Source(const char* name, std::size_t bytes_of_shape, std::size_t all_bytes)
+      : shapes(name), bytes(bytes_of_shape + sizeof(Aabo3)) {
+    constexpr std::size_t kStep = 128;
+    objects = std::max(kStep, all_bytes / bytes / kStep * kStep);
+    built.Resize(objects);
+  }
 
-struct Rounding {
-  const char* name;
-  bool tightest;
+  const char* shapes;
+  std::size_t bytes;  // of an object, read and written
+  std::size_t objects = 0;
+  AaboWorld3 built;
+  std::function<Target(const FitOptions& options, AaboPlanes3 planes)> build;
+  std::function<Aabo3(std::size_t object)> single;  // by its builder of fit.h
 };
 
-// The tightest D of a sphere is computed for so long that its size tells
-// nothing more.
-std::vector<Rounding> RoundingsOf(BuildKind kind, bool is_in_cache) {
-  std::vector<Rounding> roundings = {{"within-ulp", false}};
-  if (kind == BuildKind::kBoxes ||
-      (kind == BuildKind::kSpheres && is_in_cache)) {
-    roundings.push_back({"tightest", true});
-  }
-  return roundings;
+Aabb3 BoxOf(const Workload& workload, std::size_t i) {
+  return workload.objects.Get(i % workload.objects.size()).aabb();
 }
 
-// The builds of one kind at one size, and the copies they are measured by: they
-// share their memory, and are timed together.
-class BuildGroup {
- public:
-  BuildGroup(BuildKind kind, const WorkingSetSize& size,
-             const Workload& workload, const std::vector<Target>& targets)
-      : working_set_(size.name),
-        source_(MakeBuildSource(kind, workload, size.bytes)),
-        rounds_(std::max<std::size_t>(1, kObjectsPerRun / source_.objects)) {
-    // Stores past the caches only lose in them.
-    copies_ = IsInCache(size) ? 1 : 2;
-    for (std::size_t c = 0; c < copies_; ++c) AddCopy(/*streamed=*/c == 1);
-    for (Target target : targets) {
-      for (const Rounding& rounding : RoundingsOf(kind, IsInCache(size))) {
-        AddBuild(target, rounding);
-      }
+Point<3> MiddleOf(const Aabb3& box) {
+  Point<3> middle;
+  for (std::size_t k = 0; k < 3; ++k) {
+    middle[k] = 0.5f * box.min[k] + 0.5f * box.max[k];
+  }
+  return middle;
+}
+
+Source BoxesSource(const Workload& workload, std::size_t bytes) {
+  Source source("boxes", sizeof(Aabb3), bytes);
+  auto boxes = std::make_shared<AabbWorld3>();
+  for (std::size_t i = 0; i < source.objects; ++i) {
+    boxes->Push(BoxOf(workload, i));
+  }
+  source.build = [boxes](const FitOptions& options, AaboPlanes3 planes) {
+    return BoundBoxes(BoxesOf(boxes->view()), planes, options);
+  };
+  source.single = [boxes](std::size_t i) { return BoundAabb(boxes->Get(i)); };
+  return source;
+}
+
+// The spheres within the boxes' longest sides. Their planes, the center's and
+// the radius', are a SimplexWorld's, for its alignment.
+Source SpheresSource(const Workload& workload, std::size_t bytes) {
+  Source source("spheres", sizeof(Sphere3), bytes);
+  auto columns = std::make_shared<SimplexWorld3>();
+  for (std::size_t i = 0; i < source.objects; ++i) {
+    const Aabb3 box = BoxOf(workload, i);
+    const Point<3> center = MiddleOf(box);
+    float radius = 0.0f;
+    for (std::size_t k = 0; k < 3; ++k) {
+      radius = std::max(radius, box.max[k] - center[k]);
+    }
+    columns->Push(UpSimplex3{{center[0], center[1], center[2], radius}});
+  }
+  source.build = [columns](const FitOptions& options, AaboPlanes3 planes) {
+    const auto [min, size] = columns->view();
+    return BoundSpheres(
+        Spheres<3>{{min[0], min[1], min[2]}, min[3], size, /*stride=*/1},
+        planes, options);
+  };
+  source.single = [columns](std::size_t i) {
+    const auto [x, y, z, radius] = columns->Get(i).min;
+    return BoundSphere(Sphere3{{x, y, z}, radius});
+  };
+  return source;
+}
+
+// A grid, which has half as many vertices as triangles, as closed meshes do.
+Source TrianglesSource(const Workload& workload, std::size_t bytes) {
+  constexpr std::size_t kRow = 64;  // vertices
+  struct Mesh {
+    std::vector<float> coords;
+    std::vector<std::uint32_t> indices;
+    Points3 vertices() const { return {coords.data(), coords.size() / 3}; }
+  };
+  Source source("triangles", 3 * sizeof(std::uint32_t) + sizeof(Point<3>) / 2,
+                bytes);
+  auto mesh = std::make_shared<Mesh>();
+  const std::size_t vertices = source.objects / 2;
+  for (std::size_t v = 0; v < vertices; ++v) {
+    const Point<3> at = MiddleOf(BoxOf(workload, v));
+    mesh->coords.insert(mesh->coords.end(), at.begin(), at.end());
+    for (std::size_t corner :
+         {v, v + 1, v + kRow, v + 1, v + kRow, v + kRow + 1}) {
+      mesh->indices.push_back(static_cast<std::uint32_t>(corner % vertices));
     }
   }
+  source.build = [mesh](const FitOptions& options, AaboPlanes3 planes) {
+    return BoundTriangles(mesh->vertices(), mesh->indices, planes, options);
+  };
+  source.single = [mesh](std::size_t i) {
+    return BoundPoints(mesh->vertices(), std::span<const std::uint32_t>(
+                                             &mesh->indices[3 * i], 3));
+  };
+  return source;
+}
 
-  void Run(bench::Run& run, Table& table) {
-    const std::vector<Timing> timings = run.Time(cases_, ShareOf(run.effort));
-    double bytes = 0.0;  // of an object
-    for (const auto& stream : source_.copy.reads) {
-      bytes += static_cast<double>(stream.object_bytes);
-    }
-    for (const auto& stream : source_.copy.writes) {
-      bytes += static_cast<double>(stream.object_bytes);
-    }
-    // The faster copy is the ceiling.
-    const Timing& copy = *std::min_element(
-        timings.begin(), timings.begin() + static_cast<std::ptrdiff_t>(copies_),
-        [](const Timing& a, const Timing& b) {
-          return a.Median() < b.Median();
-        });
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-      const Timing& timing = timings[copies_ + i];
-      Row& row = rows_[i];
-      row.insert(row.end(), {timing.Median(), bytes / timing.Median(),
-                             RatioOf(copy, timing).Percent()});
-      table.Add(row);
+// Builds with these options. Empty if the bounds of some objects enclose those
+// of fit.h and are equal to them in X, Y and Z; else what is wrong.
+std::string CheckBuild(Source& source, const FitOptions& options) {
+  constexpr std::size_t kChecked = 64;
+  constexpr std::size_t kD = 3;
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const AaboPlanes3 planes = source.built.planes();
+  const std::size_t step = std::max<std::size_t>(1, source.objects / kChecked);
+  // What is looked at afterwards must have been written.
+  for (std::size_t i = 0; i < source.objects; i += step) {
+    for (float* plane : planes.min) plane[i] = kNan;
+    for (float* plane : planes.max) plane[i] = kNan;
+  }
+  if (source.build(options, planes) != options.target) {
+    return "another target ran";
+  }
+  for (std::size_t i = 0; i < source.objects; i += step) {
+    const Aabo3 built = source.built.Get(i);
+    const Aabo3 single = source.single(i);
+    const bool is_right = built.aabb() == single.aabb() &&
+                          built.min[kD] <= single.min[kD] &&
+                          built.max[kD] >= single.max[kD];
+    if (!is_right) {
+      return "object " + std::to_string(i) +
+             ": not the bound of the builder of one shape";
     }
   }
+  return {};
+}
 
- private:
-  Case MakeCase(std::string name) const {
+// The builds of one kind at one size, and the copies they are measured by.
+void AddBuilds(Run& run, Source source, const std::string& set, Table& table) {
+  const std::size_t rounds =
+      std::max<std::size_t>(1, kObjectsPerRun / source.objects);
+  std::vector<Case> cases;
+  const auto add = [&](std::string name, auto once) {
     Case c;
-    c.name = std::move(name);
-    c.items = static_cast<double>(source_.objects * rounds_);
-    return c;
-  }
-
-  // With the widest vectors, whatever is measured.
-  void AddCopy(bool streamed) {
-    Case c = MakeCase("copy/" + working_set_ + "/" + source_.shapes +
-                      (streamed ? "/streamed" : ""));
-    c.run = [this, streamed, copy = LoopsFor(SupportedTargets().front()).copy] {
-      for (std::size_t i = 0; i < rounds_; ++i) copy(streamed, source_.copy);
+    c.name = "build/" + set + "/" + source.shapes + "/" + std::move(name);
+    c.items = static_cast<double>(source.objects * rounds);
+    c.run = [rounds, once] {
+      for (std::size_t i = 0; i < rounds; ++i) once();
     };
-    cases_.push_back(std::move(c));
+    cases.push_back(std::move(c));
+  };
+  // A copy reads half of its bytes and writes the other half, with the widest
+  // vectors. Stores past the caches are faster or not.
+  struct alignas(64) Lines {
+    std::array<std::uint32_t, 64> words;
+  };
+  std::vector<Lines> from(source.objects * source.bytes / 2 / sizeof(Lines));
+  std::vector<Lines> to(from.size());
+  for (bool streamed : {false, true}) {
+    add("copy",
+        [&, streamed, copy = LoopsFor(SupportedTargets().front()).copy] {
+          copy(streamed, from[0].words.data(), to[0].words.data(),
+               from.size() * from[0].words.size());
+        });
   }
-
-  void AddBuild(Target target, const Rounding& rounding) {
-    rows_.push_back({source_.shapes, source_.planes, rounding.name,
-                     NameOf(target), working_set_, source_.objects});
-    Case c = MakeCase("build/" + working_set_ + "/" + NameOf(target) + "/" +
-                      source_.shapes + "-to-" + source_.planes + "/" +
-                      rounding.name);
-    const FitOptions options{.tightest = rounding.tightest, .target = target};
-    c.check = [this, options] { return CheckBuild(source_, options); };
-    c.run = [this, options] {
-      for (std::size_t i = 0; i < rounds_; ++i) source_.build(options, nullptr);
-    };
-    cases_.push_back(std::move(c));
+  std::vector<Row> rows;
+  for (Target target : run.targets) {
+    for (bool tightest : {false, true}) {
+      // The tightest D of a triangle is that of its corners, and of a sphere it
+      // is computed for so long that the size of the set tells nothing more.
+      const std::string shapes = source.shapes;
+      if (tightest &&
+          (shapes == "triangles" || (shapes == "spheres" && set == "memory"))) {
+        continue;
+      }
+      const char* rounding = tightest ? "tightest" : "within-ulp";
+      const FitOptions options{.tightest = tightest, .target = target};
+      rows.push_back(
+          {shapes, "aabo", rounding, NameOf(target), set, source.objects});
+      add(NameOf(target) + "/" + rounding,
+          [&, options] { source.build(options, source.built.planes()); });
+      cases.back().check = [&, options] { return CheckBuild(source, options); };
+    }
   }
-
-  std::string working_set_;
-  BuildSource source_;
-  std::size_t rounds_;
-  std::size_t copies_ = 0;
-  std::vector<Row> rows_;
-  std::vector<Case> cases_;  // the copies, then the rows
-};
+  const std::vector<Timing> timings = run.Time(cases, ShareOf(run.effort));
+  const Timing& copy =
+      timings[timings[0].Median() < timings[1].Median() ? 0 : 1];
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Timing& timing = timings[2 + i];
+    rows[i].insert(
+        rows[i].end(),
+        {timing.Median(), static_cast<double>(source.bytes) / timing.Median(),
+         RatioOf(copy, timing).Percent()});
+    table.Add(rows[i]);
+  }
+}
 
 // With 256 in turn most calls take half as long, because a branch predictor
 // learns them.
@@ -295,20 +387,20 @@ std::vector<Case> SingleBuildCases() {
 
 Tables RunBuild(Run& run) {
   Table builds{"build",
-               "bulk builders against copying the same bytes",
+               "bulk builders against copying as many bytes",
                {Key("shapes"), Key("planes"), Key("rounding"), Key("target"),
                 Key("set"), Key("objects"), Value("ns/item"),
                 Value("GB/s", "", 1), Higher("% of copy", "", 0)}};
   const Workload& workload = run.Measured();
-  const std::vector<WorkingSetSize> sizes = run.Reached({"L2", "memory"});
   std::size_t part = 0;
+  const std::vector<WorkingSetSize> sizes = run.Reached({"L2", "memory"});
   for (const WorkingSetSize& size : sizes) {
-    for (BuildKind kind : kBuildKinds) {
-      run.progress.BeginPart(part++, sizes.size() * kBuildKinds.size() + 1);
-      if (run.is_quick() && !IsInCache(size) && kind != BuildKind::kBoxes) {
+    for (auto make : {BoxesSource, SpheresSource, TrianglesSource}) {
+      run.progress.BeginPart(part++, 3 * sizes.size() + 1);
+      if (run.is_quick() && size.name == "memory" && make != BoxesSource) {
         continue;
       }
-      BuildGroup(kind, size, workload, run.targets).Run(run, builds);
+      AddBuilds(run, make(workload, size.bytes), size.name, builds);
     }
   }
   builds.notes = run.NotReached();

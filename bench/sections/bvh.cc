@@ -67,218 +67,215 @@ struct Result {
   }
 };
 
-// The box queries of a set, by all that can answer them.
-template <int kDims>
-class QueryContest {
-  using Box = Aabb<kDims>;
-  using View = AabbView<kDims>;
-  using Tree = Bvh<View>;
-
+// One kind of query, by BVHs and by others.
+template <typename Query>
+class Search {
  public:
-  QueryContest(Run& run, const BoxSet<kDims>& set)
+  // All `queries` in a row, `in_a_row` of them a run, and `in_turns` of them in
+  // turns with the others. The first `checked` are checked.
+  Search(Run& run, std::string world, std::size_t objects,
+         const std::vector<Query>& queries, std::size_t checked,
+         std::size_t in_turns)
       : run_(run),
-        set_(set),
-        place_("bvh/" + set.name + "/" + std::to_string(set.boxes.size())),
-        boxes_(set.boxes),
-        in_a_row_(run, place_),
-        in_turns_(run, place_ + "/in turns") {
-    // The answers of a flat scan of the floats, for as many queries as it
-    // answers in a moment.
-    const std::size_t count =
-        std::clamp<std::size_t>(50'000'000 / set.boxes.size(), 20, 1000);
-    found_.resize(set.boxes.size());
-    for (std::size_t q = 0; q < count; ++q) {
-      const std::size_t kept = Survivors(boxes_.view(), set_.queries[q], found_,
-                                         {.schedule = Schedule::kFlat});
-      expected_.emplace_back(
-          found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(kept));
-    }
+        world_(std::move(world)),
+        objects_(objects),
+        queries_(queries),
+        checked_(checked),
+        in_turns_(in_turns),
+        row_(run, "bvh/" + world_ + "/" + std::to_string(objects)),
+        turns_(run, "bvh/" + world_ + "/in turns") {}
+
+  // find(query) is timed. is_right(q, find(query)) tells whether that is the
+  // answer to query number q.
+  template <typename Find, typename IsRight>
+  void Add(const std::string& name, const std::string& target, Who who,
+           std::size_t in_a_row, Find find, IsRight is_right) {
+    const auto check = [this, find, is_right]() -> std::string {
+      for (std::size_t q = 0; q < checked_; ++q) {
+        if (!is_right(q, find(queries_[q]))) return "a query has other answers";
+      }
+      return {};
+    };
+    AddCases(name, target, who, in_a_row, check, [&](std::size_t count) {
+      return InTurn("", queries_, kTimedQueries, count,
+                    [find](const Query& query) { std::ignore = find(query); });
+    });
+  }
+  // case_of(n) asks n queries in a run, and the next ones in the next run.
+  template <typename CaseOf>
+  void AddCases(const std::string& name, const std::string& target, Who who,
+                std::size_t in_a_row, std::function<std::string()> check,
+                const CaseOf& case_of) {
+    Case c = case_of(in_a_row);
+    c.check = std::move(check);
+    row_.Add(name, target, who, std::move(c));
+    if (in_turns_ != 0) turns_.Add(name, target, who, case_of(in_turns_));
   }
 
-  // Each row has a copy of the world, so that in turns with the others it finds
-  // the caches as a tree finds them.
-  void AddBvh(BuildQuality quality, Target target, bool has_calls_of_many) {
-    const std::string name = quality == BuildQuality::kHigh ? "tight" : "fast";
-    const auto world = std::make_shared<const Tree>(
-        boxes_.view(), BuildOptions{.quality = quality});
-    if (all_ids_.empty()) MakeRoom(*world);
-    AddFind(
-        name + ", one query a call", NameOf(target), Who::kOurs,
-        [this, target, world](const Box& query) {
-          return Found(Survivors(*world, query, found_, {.target = target}));
-        });
-    if (has_calls_of_many) {
-      AddAllAtOnce(name + ", all in one call", target,
-                   std::make_shared<const Tree>(*world));
-    }
-  }
-  void AddCompetitors() {
-    for (const auto& competitor : Registered<BoxTree<kDims>>::All()) {
-      if (set_.boxes.size() > competitor.most) continue;
-      AddFind(competitor.name, "", Who::kCompetitor,
-              [this, tree = std::shared_ptr<const BoxTree<kDims>>(
-                         competitor.make(set_.boxes))](const Box& query) {
-                tree->Find(query, listed_);
-                return std::span<const std::uint32_t>(listed_);
-              });
-    }
-  }
-
-  void Time(Table& table) {
-    const std::size_t repetitions =
-        set_.boxes.size() < 1'000'000
-            ? run_.effort.repetitions
-            : std::min<std::size_t>(run_.effort.repetitions, 5);
-    in_a_row_.Time(repetitions);
+  void Time(std::size_t repetitions, Table& table) {
+    row_.Time(repetitions);
     // So many that each has all queries.
-    in_turns_.Time(std::max(repetitions, kTimedQueries / kQueriesInTurn));
-    for (std::size_t i = 0; i < in_a_row_.size(); ++i) {
-      table.Add({set_.name, set_.boxes.size(), in_a_row_.name(i),
-                 in_a_row_.target(i), in_a_row_.timing(i).Median() / 1e3,
-                 in_a_row_.OverFastest(i), in_turns_.timing(i).Median() / 1e3});
+    if (in_turns_ != 0) {
+      turns_.Time(std::max(repetitions, kTimedQueries / in_turns_));
     }
-    table.notes.push_back(set_.name + ", " + Grouped(set_.boxes.size()) +
-                          " boxes: a query finds " + Fixed(survivors_, 1) +
-                          " and visits " + Fixed(blocks_, 1) +
-                          " blocks of 64.");
+    for (std::size_t i = 0; i < row_.size(); ++i) {
+      table.Add(
+          {world_, objects_, row_.name(i), row_.target(i),
+           row_.timing(i).Median() / 1e3, row_.OverFastest(i),
+           in_turns_ != 0 ? Cell(turns_.timing(i).Median() / 1e3) : Cell()});
+    }
   }
 
  private:
-  static constexpr const char* kWrong =
-      "the boxes found are not those of a scan";
-
-  // For the ids of all queries.
-  void MakeRoom(const Tree& world) {
-    std::size_t sum = 0;
-    QueryStatistics read;
-    for (const Box& query : set_.queries) {
-      // By ids: a count does not visit what is inside a query.
-      sum += Survivors(world, query, {}, {.statistics = &read});
-    }
-    blocks_ =
-        static_cast<double>(read.node_blocks + read.leaves) / kTimedQueries;
-    survivors_ = static_cast<double>(sum) / kTimedQueries;
-    all_ids_.resize(sum + 1);
-    offsets_.resize(kTimedQueries + 1);
-  }
-  std::span<const std::uint32_t> Found(std::size_t count) const {
-    return std::span(found_).first(count);
-  }
-  bool IsExpected(std::size_t query, std::span<const std::uint32_t> ids) const {
-    Ids sorted(ids.begin(), ids.end());
-    std::sort(sorted.begin(), sorted.end());
-    return sorted == expected_[query];
-  }
-
-  // case_of(n) asks n queries in a run, and the next ones in the next run.
-  template <typename Check, typename CaseOf>
-  void Add(const std::string& name, const std::string& target, Who who,
-           const Check& check, const CaseOf& case_of) {
-    Case c = case_of(kTimedQueries);
-    c.check = check;
-    in_a_row_.Add(name, target, who, std::move(c));
-    in_turns_.Add(name, target, who, case_of(kQueriesInTurn));
-  }
-  // find(query) returns the ids.
-  template <typename Find>
-  void AddFind(const std::string& name, const std::string& target, Who who,
-               Find find) {
-    const auto check = [this, find]() -> std::string {
-      for (std::size_t q = 0; q < expected_.size(); ++q) {
-        if (!IsExpected(q, find(set_.queries[q]))) return kWrong;
-      }
-      return {};
-    };
-    Add(name, target, who, check, [&](std::size_t queries) {
-      return InTurn("", set_.queries, kTimedQueries, queries,
-                    [find](const Box& query) { std::ignore = find(query); });
-    });
-  }
-  void AddAllAtOnce(const std::string& name, Target target,
-                    const std::shared_ptr<const Tree>& world) {
-    const auto ask = [this, world, target](std::span<const Box> queries) {
-      std::ignore = SurvivorsOfEach(*world, queries, all_ids_, offsets_,
-                                    {.target = target});
-    };
-    const auto check = [this, ask]() -> std::string {
-      ask(std::span(set_.queries).first(expected_.size()));
-      for (std::size_t q = 0; q < expected_.size(); ++q) {
-        if (!IsExpected(q, std::span(all_ids_).subspan(
-                               offsets_[q], offsets_[q + 1] - offsets_[q]))) {
-          return kWrong;
-        }
-      }
-      return {};
-    };
-    Add(name, NameOf(target), Who::kOurs, check, [&](std::size_t queries) {
-      Case c;
-      c.items = static_cast<double>(queries);
-      c.run = [this, ask, queries, next = std::size_t{0}]() mutable {
-        ask(std::span(set_.queries).subspan(next, queries));
-        next = (next + queries) % kTimedQueries;
-      };
-      return c;
-    });
-  }
-
   Run& run_;
-  const BoxSet<kDims>& set_;
-  std::string place_;
-  World<View> boxes_;
-  Contest in_a_row_;
-  Contest in_turns_;
-  double survivors_ = 0.0;     // of a query
-  double blocks_ = 0.0;        // that it visits in tight quality
-  std::vector<Ids> expected_;  // of the first queries
-  Ids found_;                  // what one query finds
-  Ids listed_;                 // by a competitor
-  Ids all_ids_;
-  std::vector<std::size_t> offsets_;
+  std::string world_;
+  std::size_t objects_;
+  const std::vector<Query>& queries_;
+  std::size_t checked_;
+  std::size_t in_turns_;
+  Contest row_;
+  Contest turns_;
 };
 
-// By fast builds and in one call, too, unless only_tight.
+// The box queries of a set, by all that can answer them: by fast builds and in
+// one call, too, unless only_tight.
 template <int kDims>
 void RunQueries(Run& run, const BoxSet<kDims>& set,
                 const std::vector<Target>& targets, Result& result,
                 bool only_tight = false) {
-  QueryContest<kDims> contest(run, set);
-  for (Target target : targets) {
-    contest.AddBvh(BuildQuality::kHigh, target, !only_tight);
-    if (!only_tight) contest.AddBvh(BuildQuality::kFast, target, true);
+  using Box = Aabb<kDims>;
+  using Tree = Bvh<AabbView<kDims>>;
+  using Found = std::span<const std::uint32_t>;
+  const std::size_t objects = set.boxes.size();
+  // The answers of a flat scan of the floats, for as many queries as it answers
+  // in a moment.
+  const World<AabbView<kDims>> boxes(set.boxes);
+  std::vector<Ids> expected(
+      std::clamp<std::size_t>(50'000'000 / objects, 20, 1000));
+  Ids found(objects);
+  const auto found_in = [&found](const auto& world, const Box& query,
+                                 const auto& options) {
+    return Found(found).first(Survivors(world, query, found, options));
+  };
+  for (std::size_t q = 0; q < expected.size(); ++q) {
+    const Found kept = found_in(boxes.view(), set.queries[q],
+                                Options{.schedule = Schedule::kFlat});
+    expected[q].assign(kept.begin(), kept.end());
   }
-  contest.AddCompetitors();
-  contest.Time(result.queries);
+  const auto is_right = [&expected](std::size_t q, Found ids) {
+    Ids sorted(ids.begin(), ids.end());
+    std::sort(sorted.begin(), sorted.end());
+    return sorted == expected[q];
+  };
+
+  // How much the queries find and visit, and memory for all ids.
+  std::size_t sum = 0;
+  QueryStatistics read;
+  {
+    const Tree tree(boxes.view());
+    for (const Box& query : set.queries) {
+      // By ids: a count does not visit what is inside a query.
+      sum += Survivors(tree, query, {}, {.statistics = &read});
+    }
+  }
+  const auto of_query = [](std::size_t count) {
+    return Fixed(static_cast<double>(count) / kTimedQueries, 1);
+  };
+  result.queries.notes.push_back(
+      set.name + ", " + Grouped(objects) + " boxes: a query finds " +
+      of_query(sum) + " and visits " +
+      of_query(read.node_blocks + read.leaves) + " blocks of 64.");
+  Ids all_ids(sum + 1);
+  std::vector<std::size_t> offsets(kTimedQueries + 1);
+
+  Search<Box> search(run, set.name, objects, set.queries, expected.size(),
+                     kQueriesInTurn);
+  // Each row has a copy of the world, so that in turns with the others it finds
+  // the caches as a tree finds them.
+  const auto add_bvh = [&](const std::string& name, BuildQuality quality,
+                           Target target) {
+    const auto tree = std::make_shared<const Tree>(
+        boxes.view(), BuildOptions{.quality = quality});
+    search.Add(
+        name + ", one query a call", NameOf(target), Who::kOurs, kTimedQueries,
+        [found_in, tree, target](const Box& query) {
+          return found_in(*tree, query, QueryOptions{.target = target});
+        },
+        is_right);
+    if (only_tight) return;
+    const auto ask = [&all_ids, &offsets, target,
+                      tree = std::make_shared<const Tree>(*tree)](
+                         std::span<const Box> queries) {
+      std::ignore =
+          SurvivorsOfEach(*tree, queries, all_ids, offsets, {.target = target});
+    };
+    const auto check = [&, ask]() -> std::string {
+      ask(std::span(set.queries).first(expected.size()));
+      for (std::size_t q = 0; q < expected.size(); ++q) {
+        if (!is_right(q, Found(all_ids).subspan(offsets[q],
+                                                offsets[q + 1] - offsets[q]))) {
+          return "a query of a call has other answers";
+        }
+      }
+      return {};
+    };
+    search.AddCases(name + ", all in one call", NameOf(target), Who::kOurs,
+                    kTimedQueries, check, [&](std::size_t count) {
+                      Case c;
+                      c.items = static_cast<double>(count);
+                      c.run = [&set, ask, count,
+                               next = std::size_t{0}]() mutable {
+                        ask(std::span(set.queries).subspan(next, count));
+                        next = (next + count) % kTimedQueries;
+                      };
+                      return c;
+                    });
+  };
+  for (Target target : targets) {
+    add_bvh("tight", BuildQuality::kHigh, target);
+    if (!only_tight) add_bvh("fast", BuildQuality::kFast, target);
+  }
+  Ids listed;  // by a competitor
+  for (const auto& competitor : Registered<BoxTree<kDims>>::All()) {
+    if (objects > competitor.most) continue;
+    search.Add(
+        competitor.name, "", Who::kCompetitor, kTimedQueries,
+        [&listed, tree = std::shared_ptr<const BoxTree<kDims>>(
+                      competitor.make(set.boxes))](const Box& query) {
+          tree->Find(query, listed);
+          return Found(listed);
+        },
+        is_right);
+  }
+  search.Time(objects < 1'000'000
+                  ? run.effort.repetitions
+                  : std::min<std::size_t>(run.effort.repetitions, 5),
+              result.queries);
 }
 
 // What is built ends after its time, as its end is no part of a build.
 void RunBuilds(Run& run, const BoxSet<3>& set, Result& result) {
-  using Made = std::shared_ptr<const void>;
-  std::vector<std::pair<std::string, std::function<Made()>>> builds = {
-      {"tight", [&] { return std::make_shared<const Bvh3>(set.boxes); }},
-      {"fast", [&] {
-         return std::make_shared<const Bvh3>(
-             set.boxes, BuildOptions{.quality = BuildQuality::kFast});
-       }}};
+  std::vector<std::shared_ptr<const void>> made;
+  std::vector<std::string> names;
+  std::vector<std::function<void()>> builds;
+  const auto add = [&](const std::string& name, auto make) {
+    names.push_back(name);
+    builds.emplace_back([&made, make] { made.emplace_back(make()); });
+  };
+  add("tight", [&] { return std::make_shared<const Bvh3>(set.boxes); });
+  add("fast", [&] {
+    return std::make_shared<const Bvh3>(
+        set.boxes, BuildOptions{.quality = BuildQuality::kFast});
+  });
   for (const auto& competitor : Registered<BoxTree<3>>::All()) {
     if (set.boxes.size() > competitor.most) continue;
-    builds.emplace_back(competitor.name, [&] {
-      return std::shared_ptr<const BoxTree<3>>(competitor.make(set.boxes));
-    });
+    add(competitor.name, [&] { return competitor.make(set.boxes); });
   }
-  std::vector<std::vector<double>> ns(builds.size());
-  const std::size_t repetitions =
-      std::min<std::size_t>(run.effort.repetitions, 5);
-  // The first ones find memory that nobody has used.
-  for (std::size_t r = 0; r <= repetitions; ++r) {
-    for (std::size_t i = 0; i < builds.size(); ++i) {
-      Made made;
-      const double time = CpuNanoseconds([&] { made = builds[i].second(); });
-      if (r != 0) ns[i].push_back(time);
-    }
-  }
-  for (std::size_t i = 0; i < builds.size(); ++i) {
-    result.jobs.Add(
-        {builds[i].first, set.boxes.size(), RangeOf(ns[i]).median / 1e6});
+  const auto ns = TimeSteps(
+      std::min<std::size_t>(run.effort.repetitions, 5), 1,
+      [&](std::size_t) { made.clear(); }, builds);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    result.jobs.Add({names[i], set.boxes.size(), RangeOf(ns[i]).median / 1e6});
   }
 }
 
@@ -395,59 +392,15 @@ void RunPairs(Run& run, const BoxSet<3>& set, Target target, Result& result) {
   result.AddJobs(contest, set.boxes.size());
 }
 
-// One kind of search, by a BVH and by others, over queries of a type.
-template <typename Query>
-class Search {
- public:
-  Search(Run& run, std::string name, const std::vector<Query>& queries)
-      : run_(run),
-        name_(std::move(name)),
-        queries_(queries),
-        contest_(run, "bvh/" + name_) {}
-
-  // number(query, find(query)) is the same for all that are added. `per_run` of
-  // the queries are asked in a run, and the next ones in the next.
-  template <typename Find, typename Number>
-  void Add(const std::string& name, const std::string& target, Who who,
-           std::size_t per_run, Find find, Number number) {
-    Case c = InTurn("", queries_, queries_.size(), per_run,
-                    [find](const Query& query) { std::ignore = find(query); });
-    c.check = [this, find, number]() -> std::string {
-      std::vector<std::size_t> numbers;
-      for (std::size_t q = 0; q < 20; ++q) {
-        numbers.push_back(number(queries_[q], find(queries_[q])));
-      }
-      if (expected_.empty()) expected_ = numbers;
-      return numbers == expected_ ? "" : "the answers differ";
-    };
-    contest_.Add(name, target, who, std::move(c));
-  }
-
-  void Time(std::size_t objects, Table& table) {
-    contest_.Time(run_.effort.repetitions);
-    for (std::size_t i = 0; i < contest_.size(); ++i) {
-      table.Add({name_, objects, contest_.name(i), contest_.target(i),
-                 contest_.timing(i).Median() / 1e3, contest_.OverFastest(i),
-                 Cell()});
-    }
-  }
-
- private:
-  Run& run_;
-  std::string name_;
-  const std::vector<Query>& queries_;
-  Contest contest_;
-  std::vector<std::size_t> expected_;
-};
-
 void RunSearches(Run& run, const BoxSet<3>& set, Target target,
                  Result& result) {
+  constexpr std::size_t kChecked = 20;
+  constexpr std::size_t kCount = 8;
   constexpr float kHalfWorld = 50.0f;
   const std::string target_name = NameOf(target);
+  const std::size_t objects = set.boxes.size();
   const Bvh3 world(set.boxes);
   Random random(run.options.seed);
-  Ids found(set.boxes.size());
-  const auto itself = [](const auto&, std::size_t count) { return count; };
 
   // A tenth of the world: its third root of each axis.
   constexpr float kHalfSide = 0.4642f * kHalfWorld;
@@ -462,71 +415,83 @@ void RunSearches(Run& run, const BoxSet<3>& set, Target target,
     for (float& x : points[q]) x = kHalfWorld * random.Signed();
   }
 
-  {
-    Search<Aabb3> counts(run, "counts of a tenth", large);
+  Ids found(objects);
+  Search<Aabb3> counts(run, "counts of a tenth", objects, large, kChecked, 0);
+  const AabbWorld3 boxes(set.boxes);
+  const auto is_count = [&](std::size_t q, std::size_t count) {
+    return count == CountSurvivors(boxes, large[q]);
+  };
+  counts.Add(
+      "counts", target_name, Who::kOurs, 2000,
+      [&](const Aabb3& query) {
+        return CountSurvivors(world, query, {.target = target});
+      },
+      is_count);
+  counts.Add(
+      "ids", target_name, Who::kOurs, 200,
+      [&](const Aabb3& query) {
+        return Survivors(world, query, found, {.target = target});
+      },
+      is_count);
+  for (const auto& competitor : Registered<BoxTree<3>>::All()) {
+    if (objects > competitor.most) continue;
+    const std::shared_ptr<const BoxTree<3>> tree = competitor.make(set.boxes);
+    if (!tree->CanCount()) continue;
     counts.Add(
-        "counts", target_name, Who::kOurs, 2000,
-        [&](const Aabb3& query) {
-          return CountSurvivors(world, query, {.target = target});
-        },
-        itself);
-    counts.Add(
-        "ids", target_name, Who::kOurs, 200,
-        [&](const Aabb3& query) {
-          return Survivors(world, query, found, {.target = target});
-        },
-        itself);
-    for (const auto& competitor : Registered<BoxTree<3>>::All()) {
-      if (set.boxes.size() > competitor.most) continue;
-      const std::shared_ptr<const BoxTree<3>> tree = competitor.make(set.boxes);
-      if (!tree->CanCount()) continue;
-      counts.Add(
-          competitor.name, "", Who::kCompetitor, 5,
-          [tree](const Aabb3& query) { return tree->Count(query); }, itself);
-    }
-    counts.Time(set.boxes.size(), result.queries);
+        competitor.name, "", Who::kCompetitor, 5,
+        [tree](const Aabb3& query) { return tree->Count(query); }, is_count);
   }
-  {
-    constexpr std::size_t kCount = 8;
-    Search<Point<3>> nearest(run, "nearest 8", points);
-    // Many boxes are equally far away, so the answer is a distance: of the
-    // last.
-    const auto farthest = [&set](const Point<3>& point, auto&& ids) {
-      double most = 0;
-      for (std::uint32_t id : ids) {
-        double square = 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-          const double beyond =
-              std::max({set.boxes[id].min[k] - point[k],
-                        point[k] - set.boxes[id].max[k], 0.0f});
-          square += beyond * beyond;
-        }
-        most = std::max(most, square);
-      }
-      return static_cast<std::size_t>(1e6 * std::sqrt(most)) + ids.size();
-    };
-    std::array<std::uint32_t, kCount> ids;
-    std::array<float, kCount> distances;
+  counts.Time(run.effort.repetitions, result.queries);
+
+  // Many boxes are equally far away, so the answer is a distance: of the last.
+  const auto square_of = [&](const Point<3>& point, std::uint32_t id) {
+    double square = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double beyond = std::max({set.boxes[id].min[k] - point[k],
+                                      point[k] - set.boxes[id].max[k], 0.0f});
+      square += beyond * beyond;
+    }
+    return square;
+  };
+  Search<Point<3>> nearest(run, "nearest 8", objects, points, kChecked, 0);
+  const auto is_nearest = [&](std::size_t q,
+                              std::span<const std::uint32_t> ids) {
+    std::vector<double> squares;
+    for (std::uint32_t id = 0; id < objects; ++id) {
+      squares.push_back(square_of(points[q], id));
+    }
+    const auto last = static_cast<std::ptrdiff_t>(std::min(kCount, objects));
+    std::nth_element(squares.begin(), squares.begin() + last - 1,
+                     squares.end());
+    double most = 0;
+    for (std::uint32_t id : ids) {
+      most = std::max(most, square_of(points[q], id));
+    }
+    // Floats round the distances.
+    return ids.size() == static_cast<std::size_t>(last) &&
+           most <= (1 + 1e-5) * squares[static_cast<std::size_t>(last - 1)];
+  };
+  std::array<std::uint32_t, kCount> ids;
+  std::array<float, kCount> distances;
+  nearest.Add(
+      "nearest", target_name, Who::kOurs, 2000,
+      [&](const Point<3>& point) {
+        constexpr float kFar = std::numeric_limits<float>::infinity();
+        return std::span<const std::uint32_t>(ids).first(
+            KNearest(world, point, ids, distances, kFar, {.target = target}));
+      },
+      is_nearest);
+  for (const auto& competitor : Registered<NearestTree>::All()) {
     nearest.Add(
-        "nearest", target_name, Who::kOurs, 2000,
-        [&](const Point<3>& point) {
-          constexpr float kFar = std::numeric_limits<float>::infinity();
-          return std::span(ids).first(
-              KNearest(world, point, ids, distances, kFar, {.target = target}));
+        competitor.name, "", Who::kCompetitor, 200,
+        [&found, tree = std::shared_ptr<NearestTree>(
+                     competitor.make(set.boxes))](const Point<3>& point) {
+          tree->Nearest(point, kCount, found);
+          return std::span<const std::uint32_t>(found);
         },
-        farthest);
-    for (const auto& competitor : Registered<NearestTree>::All()) {
-      nearest.Add(
-          competitor.name, "", Who::kCompetitor, 200,
-          [&found, tree = std::shared_ptr<NearestTree>(
-                       competitor.make(set.boxes))](const Point<3>& point) {
-            tree->Nearest(point, kCount, found);
-            return std::span<const std::uint32_t>(found);
-          },
-          farthest);
-    }
-    nearest.Time(set.boxes.size(), result.queries);
+        is_nearest);
   }
+  nearest.Time(run.effort.repetitions, result.queries);
 }
 
 bool HasMemoryFor(std::size_t objects) {

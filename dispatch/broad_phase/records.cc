@@ -78,30 +78,36 @@ inline std::uint64_t Records::Mark(Group& group, std::size_t w,
   return before;
 }
 
-// Bodies with neighbouring ids get their marks by one exchange. The words of a
-// record are a parameter pack, because a loop over an array takes twice the
-// time.
+// Bodies with neighbouring ids get their marks by one exchange. If only some of
+// them moved, all of the next ones are written: a branch for each body would be
+// mispredicted. If half of 65 536 bodies move, in no order, each takes 3.5 ns
+// instead of 8.2, and if all move 3.3 instead of 3.0 (3D boxes, Zen 5). The
+// words of a record are a parameter pack, because a loop over an array takes
+// twice the time.
 template <std::size_t... kWord>
 void Records::MoveEach(std::index_sequence<kWord...>,
                        Span<const std::uint32_t> ids, const float* planes) {
   constexpr std::size_t kWords = 1 + sizeof...(kWord);
+  std::uint64_t writes_all = 0;  // or 1
   const std::uint32_t* id = ids.begin();
   while (id != ids.end()) {
     const std::uint32_t number = *id / 64;
     Group& group = *GroupAt(*id / kGroupIds);
     Word* const records =
         group.records[number % 64].load(std::memory_order_relaxed);
+    std::uint64_t seen = 0;
     std::uint64_t moved = 0;
     // Until an id of another 64 bodies, or one that comes a second time.
     for (; id != ids.end() && *id / 64 == number; ++id) {
       const std::uint64_t bit = std::uint64_t{1} << *id % 64;
-      if ((moved & bit) != 0) break;
+      if ((seen & bit) != 0) break;
+      seen |= bit;
       Word* const record = records + *id % 64 * kWords;
       const auto move = [&](auto... words) {
         const std::uint64_t different =
             ((record[1 + kWord].load(std::memory_order_relaxed) ^ words) | ...);
-        if (different == 0) return;
-        moved |= bit;
+        moved |= std::uint64_t{different != 0} << *id % 64;
+        if ((different | writes_all) == 0) return;
         record->store(record->load(std::memory_order_relaxed) | kIsWritten,
                       std::memory_order_relaxed);
         // These stores release, so that they stay after the one before.
@@ -110,6 +116,14 @@ void Records::MoveEach(std::index_sequence<kWord...>,
       move(WordAt(planes + 2 * kWord)...);
       planes += 2 * sizeof...(kWord);
     }
+    // Those that were written and have not moved.
+    const std::uint64_t same = writes_all != 0 ? seen & ~moved : 0;
+    for (std::uint64_t bits = same; bits != 0; bits &= bits - 1) {
+      Word& record = records[LowestBit(bits) * kWords];
+      record.store(record.load(std::memory_order_relaxed) - kIsWritten,
+                   std::memory_order_release);
+    }
+    writes_all = std::uint64_t{moved != 0 && moved != seen};
     if (moved == 0) continue;
     const std::uint64_t old = Mark(group, number % 64, moved);
     const std::uint64_t stamp =

@@ -16,12 +16,11 @@
 #include <vector>
 
 #include "tests/fuzz/bytes.h"
-#include "tests/fuzz/caller_mode.h"
 #include "tests/fuzz/print.h"
 #include "tests/fuzz/run_input.h"
 #include "tests/library/quantized/quantized_answers.h"
 #include "tests/library/support/environment.h"
-#include "tests/library/support/many_canaries.h"
+#include "tests/library/support/fp_modes.h"
 #include "tests/library/support/owners.h"
 
 namespace halfspace::testing {
@@ -70,7 +69,7 @@ class UpdatedQuantized {
  public:
   explicit UpdatedQuantized(Bytes& bytes)
       : row_(Rows()[bytes.Below(Rows().size())]),
-        mode_(bytes),
+        mode_(kFpModes[bytes.Below(5)]),
         size_(DecodeSize(bytes)),
         run_(std::size_t{1} << bytes.Below(8)),
         target_(DecodeTarget(bytes)),
@@ -104,7 +103,7 @@ class UpdatedQuantized {
     for (std::size_t i = 0; i < size_; ++i) model.push_back(BoundAt(i));
     const auto owner = row_.Make(model);
     for (std::size_t u = 0; u < updates_.size(); ++u) {
-      mode_.Run([&] { Apply(updates_[u], *owner, model); });
+      RunIn(mode_, [&] { Apply(updates_[u], *owner, model); });
       if (owner->size() != model.size()) {
         return ::testing::AssertionFailure()
                << "a wrong size, after update " << u;
@@ -118,9 +117,9 @@ class UpdatedQuantized {
   friend std::ostream& operator<<(std::ostream& out,
                                   const UpdatedQuantized& input) {
     out << input.row_ << ", " << input.size_ << " objects, runs of "
-        << input.run_ << ", updated in the mode " << input.mode_
-        << ", asked on " << input.target_.name() << ", " << input.many_
-        << " queries at once\n";
+        << input.run_ << ", updated in the mode "
+        << static_cast<int>(input.mode_) << ", asked on "
+        << input.target_.name() << ", " << input.many_ << " queries at once\n";
     for (std::size_t p = 0; p < input.planes_; ++p) {
       out << "plane " << p << ": of " << Print(input.palettes_[p])
           << ", each object " << input.steps_[p] << " ulps from the last\n";
@@ -203,45 +202,38 @@ class UpdatedQuantized {
     }
   }
 
-  AnyQueries Query(std::size_t q) const { return {&queries_[q * planes_], 1}; }
-
   // By one call; what an update did wrong, all of them show.
   ::testing::AssertionResult CheckUpdated(const AnyOwner& owner,
                                           const Records& model) const {
     const auto floats = row_.MakeFloats(model);
-    for (std::size_t q = 0; q < kQueries; ++q) {
-      Answer exact;
-      exact.AssignReference(floats->seen(), Query(q));
-      auto result =
-          KeepsAllOf(exact, AnswerByMask(owner.quantized(), Query(q), target_));
-      if (!result) return result;
-      const Answer refined =
-          AnswerByMask(owner.Refined(*floats), Query(q), target_);
-      if (!internal::Same(exact.reject_mask(), refined.reject_mask())) {
-        return ::testing::AssertionFailure() << "wrong (refined)";
-      }
-    }
-    return ::testing::AssertionSuccess();
+    const AnyQueries queries(queries_.data(), kQueries);
+    const Answers exact = Answers::OfReference(floats->seen(), queries);
+    auto result =
+        KeepsAllOf(exact, Answers::OfCall(owner.quantized(), queries, target_));
+    if (!result) return result;
+    const Answers refined =
+        Answers::OfCall(owner.Refined(*floats), queries, target_);
+    if (std::ranges::equal(exact.rejected(), refined.rejected())) return result;
+    return ::testing::AssertionFailure() << "wrong (refined)";
   }
 
   ::testing::AssertionResult CheckAllCalls(const AnyOwner& owner,
                                            const Records& model) const {
     const auto floats = row_.MakeFloats(model);
-    const std::span<const Target> target(&target_, 1);
-    Answer exact;
-    exact.AssignReference(floats->seen(), Query(0));
-    auto result = QuantizedAnswersEverywhere(
-        owner.quantized(), owner.Refined(*floats), exact, Query(0), target);
-    if (!result) return result;
-    const AnyQueries many(queries_.data(), many_);
-    ManyAnswers answers;
-    answers.AssignReference(floats->seen(), many);
-    return AnswersManyEverywhere(answers, owner.Refined(*floats), many, target);
+    for (std::size_t count : {std::size_t{1}, many_}) {
+      const AnyQueries queries(queries_.data(), count);
+      const auto result = QuantizedAnswersEverywhere(
+          owner.quantized(), owner.Refined(*floats),
+          Answers::OfReference(floats->seen(), queries), queries,
+          {&target_, 1});
+      if (!result) return result;
+    }
+    return ::testing::AssertionSuccess();
   }
 
   const OwnerRow& row_;
   const std::size_t planes_ = row_.layout.plane_count;
-  CallerMode mode_;
+  FpMode mode_;
   std::size_t size_;
   std::size_t run_;  // objects in a row that choose the same
   Target target_;

@@ -4,8 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <new>
 #include <ostream>
 #include <span>
 #include <vector>
@@ -15,7 +13,6 @@
 #include "tests/fuzz/print.h"
 #include "tests/fuzz/run_input.h"
 #include "tests/library/support/answers.h"
-#include "tests/library/support/canaries.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/flat_cases.h"
 
@@ -50,20 +47,15 @@ class World {
   ::testing::AssertionResult Check() const {
     const AnyWorld world = row_.world(pointers_, size_);
     const AnyQueries query(query_.data(), 1);
-    Answer answer;
-    answer.AssignReference(world, query);
-    CanariedOutputs outputs;
+    const Answers answers = Answers::OfReference(world, query);
+    auto result = AnswersEverywhere(answers, world, query, TargetsUnderTest(),
+                                    {&schedule_, 1});
     for (Target target : TargetsUnderTest()) {
-      const Options options{.schedule = schedule_, .target = target};
-      auto result = Answers(answer, world, query, options, outputs.For(answer));
-      if (!result) return result;
-      if (!outputs.Intact()) {
-        return internal::Fail("a call", options) << "wrote past its output";
-      }
-      result = CheckShortList(answer, world, query, options);
-      if (!result) return result;
+      if (!result) break;
+      result = CheckShortList(answers, world, query,
+                              {.schedule = schedule_, .target = target});
     }
-    return ::testing::AssertionSuccess();
+    return result;
   }
 
   friend std::ostream& operator<<(std::ostream& out, const World& world) {
@@ -81,12 +73,6 @@ class World {
 
  private:
   static constexpr std::size_t kOffsets = 16;
-  static constexpr std::align_val_t kAlignment{64};
-  struct Free {
-    void operator()(std::byte* block) const {
-      ::operator delete(block, kAlignment);
-    }
-  };
 
   template <typename T>
   void Decode(Bytes& bytes) {
@@ -105,9 +91,8 @@ class World {
       // No two planes in a row share an alignment, and each ends where its
       // block does.
       const std::size_t offset = (offset_ + 3 * p) % kOffsets;
-      blocks_.emplace_back(static_cast<std::byte*>(
-          ::operator new((offset + size_) * sizeof(T), kAlignment)));
-      T* const values = reinterpret_cast<T*>(blocks_.back().get()) + offset;
+      blocks_.emplace_back((offset + size_) * sizeof(T));
+      T* const values = reinterpret_cast<T*>(blocks_.back().data()) + offset;
       for (std::size_t i = 0; i < size_; ++i) {
         const std::size_t at = i / run_ * row_.stored.plane_count + p;
         const std::uint8_t byte = pattern_[at / 4 % pattern_.size()];
@@ -118,29 +103,22 @@ class World {
     }
   }
 
-  ::testing::AssertionResult CheckShortList(const Answer& answer,
+  ::testing::AssertionResult CheckShortList(const Answers& answers,
                                             const AnyWorld& world,
                                             const AnyQueries& query,
                                             const Options& options) const {
-    const auto all = answer.survivors();
+    const auto all = answers.survivors();
     const auto expected = all.first(std::min(capacity_, all.size()));
     Canaried<std::uint32_t> indices;
     const auto out = indices.Reset(capacity_);
-    const std::size_t counted =
-        detail::Survivors(world.Asked(query), out, options, 0);
-    if (counted != all.size()) {
-      return internal::Fail("Survivors", options)
-             << "expected " << all.size() << ", got " << counted;
-    }
-    if (!internal::Same<std::uint32_t>(expected, out)) {
-      return internal::FailElement<std::uint32_t>("Survivors", options,
-                                                  expected, out);
-    }
+    Differences compare(options);
+    compare.Find("Survivors", all.size(),
+                 detail::Survivors(world.Asked(query), out, options, 0));
+    compare.Find<std::uint32_t>("Survivors", expected, out);
     if (!indices.IntactBut(expected.size())) {
-      return internal::Fail("Survivors", options)
-             << "wrote past the last survivor";
+      compare.Add("Survivors", "wrote past the last survivor");
     }
-    return ::testing::AssertionSuccess();
+    return compare.first();
   }
 
   const FlatCase& row_;
@@ -152,7 +130,7 @@ class World {
   alignas(double) std::array<std::byte, 80> query_{};
   std::vector<std::vector<double>> palettes_;
   std::vector<std::uint8_t> pattern_;
-  std::vector<std::unique_ptr<std::byte, Free>> blocks_;
+  std::vector<std::vector<std::byte>> blocks_;
   PlanePointers pointers_{};
 };
 

@@ -1,5 +1,6 @@
 // The words of a scan on every target, against a plain loop: of every type of
-// element, of 1 to 10 planes, and of the functions of kernels-inl.h.
+// element, of 1 to 10 planes, and of the functions of kernels-inl.h. Streaming
+// and staged scans, which are made of the same parts, are in streaming_test.cc.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -38,22 +39,17 @@ template <typename T>
 struct WordCase {
   std::size_t mins = 0;
   std::size_t planes = 0;
-  WordFunction<T> in_cache = nullptr;  // of 64 objects
-  // Of 64 too; null beyond two planes.
-  WordFunction<T> streaming = nullptr;
-  WordFunction<T> groups = nullptr;  // one after the other
-  WordFunction<T> tail = nullptr;    // of at most 63
+  WordFunction<T> whole = nullptr;  // of 64 objects
+  WordFunction<T> tail = nullptr;   // of at most 63
 };
 
 inline constexpr std::size_t kMostPlanes = 10;
 
-// Of 1, 2, 5 and 10 planes half, rounded up, are minima; and of four all or
-// none. The named ones are of floats, and boxes of doubles too.
+// Of 1, 2, 5 and 10 planes half, rounded up, are minima. The named ones are of
+// floats, and boxes of doubles too.
 template <typename T>
 struct WordCases {
   WordCase<T> mixed[4];
-  WordCase<T> minima;
-  WordCase<T> maxima;
   WordCase<T> named[9];
 };
 
@@ -74,33 +70,11 @@ namespace HWY_NAMESPACE {
 
 template <size_t kMins, typename T, size_t... kPlane>
 struct WordsOfPlanes {
-  static uint64_t InCache(const T* const* planes, size_t i, size_t,
-                          const T* query) {
+  static uint64_t Whole(const T* const* planes, size_t i, size_t,
+                        const T* query) {
     const OneTag<T> d;
     return KeptBits<kMins>(d, LoadAll(), planes, i,
                            hn::Set(d, query[kPlane])...);
-  }
-  static uint64_t Streaming(const T* const* planes, size_t i, size_t,
-                            const T* query) {
-    const OneTag<T> d;
-    return KeptBits<kMins, kWordObjects, Pack::kInstructions>(
-        d, LoadAll(), planes, i, hn::Set(d, query[kPlane])...);
-  }
-  static uint64_t Groups(const T* const* planes, size_t i, size_t,
-                         const T* query) {
-    const OneTag<T> d;
-#if HWY_HAVE_SCALABLE
-    constexpr size_t kGroup = kWordObjects;
-#else
-    constexpr size_t kGroup = HWY_MAX(size_t{16}, hn::MaxLanes(OneTag<T>()));
-#endif
-    uint64_t word = 0;
-    for (size_t g = 0; g < kWordObjects; g += kGroup) {
-      word |= KeptBits<kMins, kGroup>(d, LoadAll(), planes, i + g,
-                                      hn::Set(d, query[kPlane])...)
-              << g;
-    }
-    return word;
   }
   static uint64_t Tail(const T* const* planes, size_t i, size_t count,
                        const T* query) {
@@ -112,17 +86,7 @@ struct WordsOfPlanes {
 template <size_t kMins, typename T, size_t... kPlane>
 constexpr testing::WordCase<T> MakeWordCase(std::index_sequence<kPlane...>) {
   using Words = WordsOfPlanes<kMins, T, kPlane...>;
-  testing::WordCase<T> word_case;
-  word_case.mins = kMins;
-  word_case.planes = sizeof...(kPlane);
-  word_case.in_cache = &Words::InCache;
-  word_case.tail = &Words::Tail;
-  // Kernels need these of one or two planes.
-  if constexpr (sizeof...(kPlane) <= 2) {
-    word_case.streaming = &Words::Streaming;
-    word_case.groups = &Words::Groups;
-  }
-  return word_case;
+  return {kMins, sizeof...(kPlane), &Words::Whole, &Words::Tail};
 }
 
 // The functions of kernels-inl.h. Their queries have minima, then maxima; here
@@ -148,7 +112,7 @@ constexpr testing::WordCase<T> MakeWordCase(std::index_sequence<kPlane...>) {
       return SurvivorsOfFew##name<kDims>(planes, i, n, Query(query).values); \
     }                                                                        \
     static constexpr testing::WordCase<T> Case() {                           \
-      return {kMins, kPlanes, &Of64, nullptr, nullptr, &OfFew};              \
+      return {kMins, kPlanes, &Of64, &OfFew};                                \
     }                                                                        \
   };
 HALFSPACE_NAMED_CASE(Boxes, kDims, kDims)
@@ -158,11 +122,8 @@ HALFSPACE_NAMED_CASE(Octahedra, kDims + 1, kDims + 1)
 
 template <typename T, size_t... kPlanes>
 constexpr testing::WordCases<T> MakeWordCases(std::index_sequence<kPlanes...>) {
-  constexpr std::make_index_sequence<4> kFour{};
   testing::WordCases<T> cases = {{MakeWordCase<(kPlanes + 1) / 2, T>(
                                      std::make_index_sequence<kPlanes>())...},
-                                 MakeWordCase<4, T>(kFour),
-                                 MakeWordCase<0, T>(kFour),
                                  {}};
   if constexpr (std::is_floating_point_v<T>) {
     cases.named[0] = NamedBoxes<2, T>::Case();
@@ -296,11 +257,7 @@ class ScanWordsTest : public ::testing::Test {
     for (int round = 0; round < 50; ++round) {
       Fill();
       const std::uint64_t expected = Expected(word_case, 64);
-      ASSERT_EQ(Word(word_case.in_cache, 64), expected);
-      if (word_case.streaming != nullptr) {
-        ASSERT_EQ(Word(word_case.streaming, 64), expected);
-        ASSERT_EQ(Word(word_case.groups, 64), expected);
-      }
+      ASSERT_EQ(Word(word_case.whole, 64), expected);
       for (std::size_t count = 1; count < 64; ++count) {
         ASSERT_EQ(Word(word_case.tail, count), Expected(word_case, count))
             << count << " objects";
@@ -331,8 +288,6 @@ TYPED_TEST(ScanWordsTest, AreThoseOfAPlainLoop) {
     constexpr const WordCases<TypeParam>& kCases =
         kWordCases<target(), TypeParam>;
     for (const auto& word_case : kCases.mixed) this->Check(word_case);
-    this->Check(kCases.minima);
-    this->Check(kCases.maxima);
     for (const auto& word_case : kCases.named) {
       if (word_case.planes != 0) this->Check(word_case);
     }

@@ -1,19 +1,25 @@
 // Small parts of the tool, each against values by hand.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
 #include "bench/base/text.h"
+#include "bench/inner/target_loops.h"
 #include "bench/measure/load_probe.h"
 #include "bench/measure/machine.h"
 #include "bench/measure/measure.h"
 #include "bench/measure/team.h"
 #include "bench/worlds/working_set.h"
+#include "halfspace/targets.h"
 
 namespace halfspace::bench {
 namespace {
@@ -40,6 +46,52 @@ TEST(MeasureTest, RefusesATimeOfZero) {
   Progress progress;
   EXPECT_THROW(Measure({nothing}, {.repetitions = 1}, progress),
                std::runtime_error);
+}
+
+// The ceilings of scans and builders: they must move every byte.
+TEST(TargetLoopsTest, ReadsEveryByte) {
+  constexpr std::size_t kFloats = 40 * kReadBytes / sizeof(float);
+  for (std::size_t count : {4u, 6u, 8u}) {
+    std::vector<std::vector<float>> planes(count,
+                                           std::vector<float>(kFloats, 0));
+    std::vector<const float*> list;
+    for (const auto& plane : planes) list.push_back(plane.data());
+    for (Target target : SupportedTargets()) {
+      for (bool by_plane : {false, true}) {
+        SCOPED_TRACE(std::string(target.name()) + (by_plane ? ", plane" : ""));
+        const auto read = [&] {
+          return LoopsFor(target).read(by_plane, list.data(), count,
+                                       kFloats * sizeof(float));
+        };
+        EXPECT_EQ(read(), 0u);
+        for (std::size_t p = 0; p < count; ++p) {
+          // A float of each chunk, another one each time.
+          for (std::size_t i = p; i < kFloats; i += kReadBytes / 4 - 1) {
+            planes[p][i] = 1;
+            EXPECT_NE(read(), 0u) << p << ", " << i;
+            planes[p][i] = 0;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(TargetLoopsTest, CopiesEveryByte) {
+  struct alignas(64) Lines {
+    std::array<std::uint32_t, 3 * 64> words;
+  };
+  Lines from;
+  std::iota(from.words.begin(), from.words.end(), 1u);
+  for (Target target : SupportedTargets()) {
+    for (bool streamed : {false, true}) {
+      Lines to{};
+      LoopsFor(target).copy(streamed, from.words.data(), to.words.data(), 128);
+      for (std::size_t i = 0; i < to.words.size(); ++i) {
+        EXPECT_EQ(to.words[i], i < 128 ? from.words[i] : 0) << target.name();
+      }
+    }
+  }
 }
 
 // "This was a quiet run" was printed next to "other programs take 85 % of a

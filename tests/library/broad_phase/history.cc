@@ -28,6 +28,10 @@ PairList Difference(const PairList& of, const PairList& without) {
   return difference;
 }
 
+void RunBackwards(std::size_t parts, const Runner::Part& part) {
+  while (parts-- > 0) part(parts);
+}
+
 }  // namespace
 
 BodyHistory::BodyHistory(const Layout& layout, Choices& choices,
@@ -78,9 +82,6 @@ std::size_t BodyHistory::Change() {
   const std::size_t count = choices_.Below(8) == 0
                                 ? choices_.Below(most_bodies_)
                                 : choices_.Below(20);
-  const auto backwards = [](std::size_t parts, const Runner::Part& part) {
-    while (parts-- > 0) part(parts);
-  };
   if (what < 4) {
     Insert(count);
   } else if (what < 6) {
@@ -102,12 +103,13 @@ std::size_t BodyHistory::Change() {
     if (choices_.Below(2) == 0) {
       update.budget = choices_.Below(2 * most_bodies_);
     }
-    update.run = backwards;
+    auto run = RunBackwards;
+    update.run = run;
     model_.Update();
     Each([&](AnyBodies& bodies) { bodies.Update(update); });
   } else if (what == 11) {
     model_.Update();
-    Each([&](AnyBodies& bodies) { bodies.Rebuild(backwards); });
+    Each([&](AnyBodies& bodies) { bodies.Rebuild(&RunBackwards); });
   } else if (what < 14) {
     UpdatePairs();
   } else if (what < 16) {  // From now on there is another one.
@@ -155,7 +157,12 @@ Ids BodyHistory::Found(const Watch& watch) const {
 void BodyHistory::UpdatePairs() {
   model_.Update();
   const PairList now = model_.Pairs();
-  Each([](AnyBodies& bodies) { bodies.UpdatePairs({}); });
+  // Of the copy too, whose pairs must come in the same order.
+  bool is_first = true;
+  Each([&](AnyBodies& bodies) {
+    bodies.UpdatePairs(std::exchange(is_first, false) ? Runner()
+                                                      : Runner(&RunBackwards));
+  });
   PairList pairs = PairsFrom(bodies().pairs());
   std::sort(pairs.begin(), pairs.end());
   EXPECT_EQ(pairs, now);

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "tests/library/bvh/aligned_copy.h"
+#include "tests/library/bvh/altered.h"
 #include "tests/library/bvh/answers.h"
 #include "tests/library/bvh/old_format.h"
 #include "tests/library/support/environment.h"
@@ -147,66 +148,6 @@ TEST_P(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
   std::size_t refused = 0;
   std::size_t changed = 0;
   GuardedBlocks guarded;
-  const auto query = [&](const AnyBvh& world) {
-    (void)world.tree().Verify();
-    Ids ids(10);
-    for (int kind = 0; kind <= Shape::kHalfSpaces; ++kind) {
-      const auto shapes =
-          SomeShapes(layout, static_cast<Shape::Kind>(kind), 1, false, random);
-      (void)world.Find(shapes[0], ids, {.mask = 3}, 0);
-      (void)world.Count(shapes[0], {});
-    }
-    const Shape all{Shape::kBound, {everything.rbegin(), everything.rend()}};
-    (void)world.Find(all, ids, {.mask = 3}, 0);
-    (void)world.Count(all, {});
-    Ids near(3);
-    (void)world.Nearest({.is_point = true}, near, {}, kInf, {});
-    if (!layout.has_max) return;
-    const Span<const std::uint32_t> set = near;
-    (void)world.FindPairs(nullptr, nullptr, {}, {});
-    (void)world.FindPairs(nullptr, &set, {}, {});
-    (void)world.FindPairs(&world, &set, {}, {.wanted = near});
-  };
-  const auto change = [&](AnyBvh& world, std::size_t what) {
-    const auto id = static_cast<std::uint32_t>(random() % 720);
-    BoundList bounds{{everything}, {}};
-    Ids ids;
-    switch (what) {
-      case 0:
-        return world.Refit(objects);
-      case 1:
-        return world.SetMask(id, 1);
-      case 2:
-        return world.SetMasks(Ids(700, 3));
-      case 3:
-        world.RebuildPartial(1000);
-        return;
-      case 4:
-        return world.Rebuild({});
-      case 5:
-        return world.SetOne(id, bounds);
-      case 6:
-        for (std::uint32_t i = 0; i < 720; ++i) {
-          if (world.tree().Has(i)) world.EraseOne(i);
-        }
-        return;
-      case 7:
-        bounds.floats.assign(world.tree().ids().size(), EmptyOf(layout));
-        return world.RefitInOrder(bounds);
-      case 8:
-        bounds.floats.assign(700, Planes{});
-        bounds.doubles.resize(700);
-        return world.Refit(bounds);
-      case 9:
-        for (std::uint32_t i = 0; i < 70; ++i) {
-          if (!world.tree().Has(id + i * 97)) ids.push_back(id + i * 97);
-        }
-        bounds.floats.assign(ids.size(), Planes{});
-        return world.InsertAs(ids, bounds);
-      default:
-        for (int i = 0; i < 300; ++i) world.InsertOne(bounds);
-    }
-  };
   for (std::size_t round = 0, rounds = std::max<std::size_t>(Scaled(1000), 100);
        round < rounds; ++round) {
     const std::vector<std::byte>& blob = blobs[random() % blobs.size()];
@@ -224,16 +165,17 @@ TEST_P(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
         altered[random() % most] = static_cast<std::byte>(random());
       }
     }
-    for (std::size_t first = 0; first < 12; ++first) {
+    for (std::size_t first = 0; first <= kAlteredChanges; ++first) {
       try {
         const auto world =
             bvh->Loaded(altered, random() % 2 == 0, MemoryFrom(guarded));
-        if (first == 11) {
-          query(*world);
+        if (first == kAlteredChanges) {
+          AskAltered(*world, random);
           continue;
         }
         for (std::size_t step = 0; step < 4; ++step) {
-          change(*world, step == 0 ? first : random() % 11);
+          ChangeAltered(*world, step == 0 ? first : random() % kAlteredChanges,
+                        step % 2 == 0 ? everything : Planes{}, random);
           ++changed;
         }
       } catch (const std::invalid_argument&) {

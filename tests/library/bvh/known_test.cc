@@ -11,7 +11,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -133,53 +132,6 @@ TEST(BvhKnownTest, ShapesRejectWhatTheirBoundsKeep) {
   const AabbBvh3 large(bounds);
   EXPECT_EQ(CountSurvivors(large, Sphere3{{}, 0x1.8p63f}), 1u);
   EXPECT_EQ(CountSurvivors(large, Sphere3{{}, 0x1.2p64f}), 2u);
-}
-
-TEST(BvhKnownTest, Distances) {
-  AabbWorld3 world;
-  world.Push({{0, 0, 0}, {1, 1, 1}});
-  world.Push({{5, 0, 0}, {6, 1, 1}});
-  world.Push({{-4, -5, 0}, {-3, -4, 1}});
-  const AabbBvh3 bvh(world);
-  Ids ids(3);
-  std::vector<float> distances(3);
-  ASSERT_EQ(KNearest(bvh, {0, 0, 0.5f}, ids, distances), 3u);
-  EXPECT_EQ(ids, (Ids{0, 1, 2}));
-  EXPECT_EQ(distances, (std::vector<float>{0, 5, 5}));
-  EXPECT_EQ(KNearest(bvh, {0, 0, 0}, ids, {}, 4.9f), 1u);
-  std::vector<float> entries;
-  RayCast(bvh, Ray3{{0.5f, 0.5f, 0.5f}, {2, 0, 0}, kInf},
-          [&](std::uint32_t, float t) { entries.push_back(t); });
-  ASSERT_EQ(entries.size(), 2u);
-  EXPECT_EQ(entries[0], 0.0f);
-  EXPECT_NEAR(entries[1], 2.25f, 1e-5f);
-  EXPECT_LE(entries[1], 2.25f);
-}
-
-TEST(BvhKnownTest, BoxCasts) {
-  AabbWorld3 world;
-  world.Push({{10, 0, 0}, {11, 1, 1}});
-  world.Push({{10, 3, 0}, {11, 4, 1}});
-  world.Push({{0, 0, 0}, {1, 1, 1}});
-  const AabbBvh3 bvh(world);
-  const auto hits = [&](const Aabb3& box, float max_t) {
-    std::map<std::uint32_t, float> found;
-    BoxCast(bvh, box, {2, 0, 0}, max_t,
-            [&](std::uint32_t id, float t) { found[id] = t; });
-    return found;
-  };
-  const auto found = hits({{0, 0, 0}, {2, 2, 1}}, 100);
-  ASSERT_EQ(found.size(), 2u);
-  EXPECT_EQ(found.at(2), 0.0f);
-  EXPECT_NEAR(found.at(0), 4.0f, 1e-4f);
-  EXPECT_LE(found.at(0), 4.0f);
-  EXPECT_EQ(hits({{0, 0, 0}, {2, 3, 1}}, 100).size(), 3u);
-  EXPECT_EQ(hits({{0, 0, 0}, {2, 3, 1}}, 3.9f).size(), 1u);
-  EXPECT_EQ(hits(Aabb3::Empty(), 100).size(), 0u);
-  EXPECT_EQ(hits({{0, 1, 0}, {1, 0, 1}}, 100).size(), 0u);
-  // A NaN limits nothing on its axis.
-  EXPECT_EQ(hits({{kNan, 0, 0}, {2, 2, 1}}, 0).size(), 2u);
-  EXPECT_EQ(hits({{0, 0, 0}, {kNan, 2, 1}}, 0).size(), 2u);
 }
 
 // The function runs in the caller's floating-point mode, and may change it. Its

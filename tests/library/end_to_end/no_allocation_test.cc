@@ -14,6 +14,7 @@
 #include "tests/library/fit/builders.h"
 #include "tests/library/fit/random_shapes.h"
 #include "tests/library/fit_many/bulk.h"
+#include "tests/library/support/answers.h"
 #include "tests/library/support/calls.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/limited_memory.h"
@@ -40,10 +41,11 @@ void VisitCalls(const AnyWorld& world, const AnyQueries& queries,
       ForEachManyCall(world, queries, options, outputs, many);
     }
     if (world.HasUnchecked()) {
-      one("kernels.h",
-          [&] { world.UncheckedMask(world.One(queries), masks, target); });
+      one("kernels.h", [&] {
+        world.UncheckedMasks(world.One(queries), true, masks, target);
+      });
       many("kernels.h, many",
-           [&] { world.UncheckedMasks(queries, masks, target); });
+           [&] { world.UncheckedMasks(queries, false, masks, target); });
     }
   }
 }

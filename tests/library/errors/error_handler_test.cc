@@ -200,7 +200,7 @@ TEST(ErrorHandlerTest, IsCalledWhileABroadPhaseHoldsNothing) {
   EXPECT_EQ(checks, calls.size());
 }
 
-TEST(ErrorHandlerTest, IsCalledWhileABvhHoldsNothing) {
+TEST(ErrorHandlerTest, IsCalledWhileABvhAndItsPairEventsHoldNothing) {
   CountingMemory memory;
   BuildOptions options;
   options.memory = memory.resource();
@@ -224,6 +224,9 @@ TEST(ErrorHandlerTest, IsCalledWhileABvhHoldsNothing) {
   const AlignedCopy altered_with_slots(with_slots.Blob());
   alter(bvh, altered);
   alter(with_slots, altered_with_slots);
+  PairEvents events(memory.resource());
+  events.Update(bvh);
+  const std::vector<IdPair> twice = {{1, 2}, {3, 4}, {1, 2}};
   const std::size_t blocks = memory.blocks;
   Ids ids(5);
   const Span<const std::uint32_t> five(kIds.data(), 5);
@@ -248,6 +251,9 @@ TEST(ErrorHandlerTest, IsCalledWhileABvhHoldsNothing) {
        [&] {
          (void)CountSurvivors(bvh, Sphere3{{0, 0, 0}, -1});
        },
+       [&] { events.Update(bvh, {.margin = -1}); },
+       [&] { events.Update(bvh, Ids{9999}, {.margin = -1}); },
+       [&] { events.Load(twice); },
        [&] { const AabbBvh3 made(bounds, bad); },
        [&] { const AabbBvh3 made(Doubles(90), bad); },
        [&] {

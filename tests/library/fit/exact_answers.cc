@@ -98,7 +98,7 @@ bool IsTooFarApart(const HalfSpace<3, double>& plane) {
   if (exact.IsEmpty()) return Is(outcome, builder.Empty(), "Empty()");
   // The sum may be rounded.
   const mpq_class magnitude = exact.Magnitude();
-  if (magnitude > Exact(0x1p125)) {
+  if (magnitude > Exact(0x1p125) + Exact(0x1p105)) {
     return Is(outcome, builder.Everything(), "Everything(), as it is large");
   }
   if (is_everything && magnitude > Exact(0x1.fp124)) {

@@ -19,8 +19,8 @@ struct Outcome {
 Outcome Try(const Builder& builder, const Shape& shape);
 
 // The outcome is an error, Empty(), Everything() or a bound, as it must be. A
-// bound encloses the exact shape, and is as tight as the header says. All rows
-// but TranslateVertices().
+// bound encloses the exact shape, and is as tight as the header says. All rows,
+// but TranslateVertices() only with numbers that are not finite.
 ::testing::AssertionResult IsExact(const Builder& builder, const Shape& shape,
                                    const Outcome& outcome);
 inline ::testing::AssertionResult IsExact(const Builder& builder,

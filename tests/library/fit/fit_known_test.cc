@@ -23,23 +23,10 @@ const std::vector<Known> kKnown = {
      "BoundPoints2",
      {1, 2, 4, -5, 4, -5},
      {1, -5, -3, 4, 2, 1}},
-    {"-6 and 1",
-     "BoundPoints3",
-     {1, 2, 3, 4, -5, 0, 4, -5, 0},
-     {1, -5, 0, -6, 4, 2, 3, 1}},
-    {"-10 and -1",
-     "BoundPoints4",
-     {1, 2, 3, 4, 4, -5, 0, 2, 4, -5, 0, 2},
-     {1, -5, 0, 2, -10, 4, 2, 3, 4, -1}},
-    {"-(4 + 5), -(1 + 2)", "BoundAabb2", {1, 2, 4, 5}, {1, 2, -9, 4, 5, -3}},
     {"-(4 + 5 + 6), -(1 + 2 + 3)",
      "BoundAabb3",
      {1, 2, 3, 4, 5, 6},
      {1, 2, 3, -15, 4, 5, 6, -6}},
-    {"-(4 + 5 + 6 + 7)",
-     "BoundAabb4",
-     {1, 2, 3, 4, 4, 5, 6, 7},
-     {1, 2, 3, 4, -22, 4, 5, 6, 7, -10}},
     // A double cannot hold the sum, so these also show that the library's own
     // flags left the error-free additions alone.
     {"-(1 + 2^-60) lies between -1 and the float below",
@@ -55,10 +42,6 @@ const std::vector<Known> kKnown = {
      {0.1, 0.1, 0},
      {0x1.999998p-4f, 0x1.999998p-4f, -0x1.99999ap-3f, 0x1.99999ap-4f,
       0x1.99999ap-4f, -0x1.999998p-3f}},
-    {"a segment",
-     "BoundSegment3",
-     {0, 0, 0, 4, 2, -1},
-     {0, 0, -1, -5, 4, 2, 0, 0}},
     {"a triangle",
      "BoundTriangle3",
      {0, 0, 0, 1, 0, 0, 0, 2, 0},
@@ -75,10 +58,6 @@ const std::vector<Known> kKnown = {
      "BoundOrientedBox2",
      {10, 0, 3, 4, -4, 3, 1, 2},
      {-1, -10, -19, 21, 10, -1}},
-    {"three arms",
-     "BoundOrientedBox3",
-     {1, 1, 1, 0, 1, 0, 1, 0, 0, 0, 0, -1, 2, 1, 3},
-     {0, -1, -2, -9, 2, 3, 4, 3}},
     {"the square root of 4 is 2",
      "BoundSphere4",
      {1, 2, 3, 4, 2},
@@ -112,24 +91,18 @@ const std::vector<Known> kKnown = {
      "Merge3Aabo",
      {0, 0, 0, -5, 1, 2, 3, 0, -1, 1, 1, -4, 0, 3, 2, -1},
      {-1, 0, 0, -5, 1, 3, 3, 0}},
-    {"minima", "Merge2Up", {0, 1, 2, 1, 0, 3}, {0, 0, 2}},
-    {"maxima", "Merge2Down", {0, 1, 2, 1, 0, 3}, {1, 1, 3}},
-    {"boxes", "Merge2Aabb", {0, 1, 2, 3, 1, 0, 3, 2}, {0, 0, 3, 3}},
     {"in 4 dimensions D moves by twice the radius",
      "Inflate4Aabo",
      {0, 0, 0, 0, -4, 1, 1, 1, 1, 0, 3},
      {-3, -3, -3, -3, -10, 4, 4, 4, 4, 6}},
-    {"a box", "Inflate3Aabb", {0, 0, 0, 1, 2, 3, 2}, {-2, -2, -2, 3, 4, 5}},
     {"D moves by three times the margin",
      "InflateByBox3Aabo",
      {0, 0, 0, -5, 1, 2, 3, 0, 2},
      {-2, -2, -2, -11, 3, 4, 5, 6}},
-    {"minima", "InflateByBox2Up", {0, 0, -1, 1}, {-1, -1, -3}},
     {"by (1, -2, 3)",
      "Translate3Aabo",
      {0, 0, 0, -5, 1, 2, 3, 0, 1, -2, 3},
      {1, -2, 3, -7, 2, 0, 6, -2}},
-    {"maxima", "Translate2Down", {1, 1, 0, 1, 2}, {2, 3, -3}},
     {"1 + 2^-60 is no float",
      "Translate2Aabb",
      {1, 1, 1, 1, 0x1p-60, -0x1p-60},
@@ -142,23 +115,15 @@ const std::vector<Known> kKnown = {
      "Scale3Aabo",
      {0, 0, 0, -5, 1, 2, 3, 0, -1},
      {-1, -2, -3, 0, 0, 0, 0, 5}},
-    {"to a point",
-     "Scale3Aabo",
-     {0, 0, 0, -5, 1, 2, 3, 0, 0},
-     {0, 0, 0, 0, 0, 0, 0, 0}},
-    {"minima", "Scale2Up", {1, 2, -5, 3}, {3, 6, -15}},
     {"D moves by -3",
      "Sweep3Aabo",
      {0, 0, 0, -5, 1, 2, 3, 0, 4, 0, -1},
      {0, 0, -1, -8, 5, 2, 3, 0}},
-    {"D moves by 1", "Sweep2Up", {0, 0, -1, 1, -2}, {0, -2, -1}},
     {"x, y >= 0 and x + y <= 1 lies in x, y <= 1 and x + y >= 0",
      "Circumscribe2Up",
      {0, 0, -1},
      {1, 1, 0}},
-    {"the same in 3D", "Circumscribe3Up", {0, 0, 0, -1}, {1, 1, 1, 0}},
     {"down", "Circumscribe3Down", {1, 1, 1, 0}, {-2, -2, -2, -3}},
-    {"one point stays one", "Circumscribe2Up", {1, 2, -3}, {1, 2, -3}},
 };
 
 TEST(FitKnownTest, Rows) {
@@ -181,18 +146,6 @@ TEST(FitKnownTest, Rows) {
   }
 }
 
-// sqrt(3) = 0x1.bb67ae85..., sqrt(2) = 0x1.6a09e667...
-TEST(FitKnownTest, RootsAreRoundedOutward) {
-  const Aabo3 sphere3 = BoundSphere<3>({{0, 0, 0}, 1});
-  EXPECT_GE(sphere3.max[3], 0x1.bb67b0p0f);
-  EXPECT_LE(sphere3.max[3], 0x1.bb67b2p0f);
-  EXPECT_EQ(sphere3.min[3], -sphere3.max[3]);
-  const Aabo2 sphere2 = BoundSphere<2>({{0, 0}, 1});
-  EXPECT_GE(sphere2.max[2], 0x1.6a09e8p0f);
-  EXPECT_LE(sphere2.max[2], 0x1.6a09eap0f);
-  EXPECT_EQ(Inflate(Aabo3{}, 1.f).max[3], sphere3.max[3]);
-}
-
 // The wrappers of the calls above.
 TEST(FitKnownTest, OnePointAndStrideZero) {
   const Aabo3 bound{{1, 2, 3, -6}, {1, 2, 3, -6}};
@@ -200,16 +153,6 @@ TEST(FitKnownTest, OnePointAndStrideZero) {
   EXPECT_EQ(BoundPoint<3>(point), bound);
   EXPECT_EQ(BoundPoints(Points3{point.data(), 50, 0}), bound);
   EXPECT_EQ((BoundPoint<3, double>({1, 2, 3})), bound);
-}
-
-// (1, -1) moved by 2^-24 twice: 1 rounds back to 1, so D becomes -2^-24.
-TEST(FitKnownTest, VerticesThatRoundingHoldsBack) {
-  const Aabo2 point{{1, -1, 0}, {1, -1, 0}};
-  const Point2 by = {0x1p-24f, 0x1p-24f};
-  const Aabo2 moved = TranslateVertices(point, by);
-  EXPECT_EQ(moved.aabb(), (Aabb2{{1, -0x1.fffffep-1f}, {1, -0x1.fffffep-1f}}));
-  EXPECT_GE(moved.max[2], -0x1p-24f);
-  EXPECT_EQ(Translate(point, by).max[2], -0x1p-23f);
 }
 
 }  // namespace

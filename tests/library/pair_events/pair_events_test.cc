@@ -80,34 +80,6 @@ void ExpectIs(const PairEvents& events, const PairSet& before,
   ASSERT_EQ(ListOf(events.ended()), Missing(before, now));
 }
 
-TEST(PairEventsKnownTest, AreThoseOfTheHeader) {
-  std::vector<Aabb3> boxes;
-  for (std::uint32_t i = 0; i < 12; ++i) {
-    const float x = 3.0f * static_cast<float>(i);
-    boxes.push_back({{x, 0, 0}, {x + 1, 1, 1}});
-  }
-  AabbBvh3 bvh(boxes);
-  PairEvents events;
-  events.Update(bvh);
-  EXPECT_TRUE(events.empty());
-  // Each frame, after the objects moved.
-  boxes[7] = boxes[2];
-  boxes[5] = boxes[2];
-  bvh.Refit(boxes);
-  std::ignore = bvh.RebuildPartial(bvh.size() / 16);
-  events.Update(bvh);
-  EXPECT_EQ(ListOf(events.began()), (PairVector{{2, 5}, {2, 7}, {5, 7}}));
-  EXPECT_TRUE(events.ended().empty());
-  // If only some changed.
-  const std::array<std::uint32_t, 1> moved_ids = {5};
-  const std::array<Aabb3, 1> moved_boxes = {boxes[11]};
-  bvh.Set(moved_ids, moved_boxes);
-  events.Update(bvh, moved_ids);
-  EXPECT_EQ(ListOf(events.began()), (PairVector{{5, 11}}));
-  EXPECT_EQ(ListOf(events.ended()), (PairVector{{2, 5}, {5, 7}}));
-  EXPECT_EQ(Sorted(events.pairs()), (PairVector{{2, 7}, {5, 11}}));
-}
-
 class PairEventsTest : public ::testing::TestWithParam<Layout> {};
 INSTANTIATE_TEST_SUITE_P(Of, PairEventsTest,
                          ::testing::ValuesIn(LayoutsOf(true)), LayoutName());
@@ -225,19 +197,6 @@ TEST(PairEventsOfManyTest, AreTheDifferenceOfAllPairsOnAnyThreads) {
     if (::testing::Test::HasFatalFailure()) FAIL() << share;
     before = now;
   }
-}
-
-// A new order of the objects is no event.
-TEST(PairEventsOfManyTest, DoNotDependOnTheOrderOfTheWorld) {
-  Crowd crowd;
-  PairEvents events;
-  events.Update(crowd.bvh);
-  const PairVector before = Sorted(events.pairs());
-  crowd.bvh.Rebuild({.quality = BuildQuality::kFast});
-  events.Update(crowd.bvh);
-  EXPECT_EQ(Sorted(events.pairs()), before);
-  EXPECT_TRUE(events.began().empty());
-  EXPECT_TRUE(events.ended().empty());
 }
 
 TEST(PairEventsOfManyTest, OptionsAreThoseOfTheSearch) {
@@ -434,28 +393,6 @@ TEST(PairEventsLoadTest, PairsOfNoObjectsEnd) {
   }
 }
 
-// An error handler may leave by longjmp, and then nothing is freed.
-TEST(PairEventsErrorsTest, AWrongCallHoldsNoMemory) {
-  static CountingMemory* memory;
-  static std::size_t blocks;
-  CountingMemory counting;
-  memory = &counting;
-  Crowd crowd;
-  PairEvents events(counting.resource());
-  events.Update(crowd.bvh);
-  blocks = counting.blocks;
-  SetErrorHandler([](const Error& error) {
-    EXPECT_EQ(memory->blocks, blocks) << error.what();
-    throw std::runtime_error("handler");
-  });
-  const PairVector twice = {{1, 2}, {3, 4}, {1, 2}};
-  EXPECT_THROW(events.Update(crowd.bvh, {.margin = -1}), std::runtime_error);
-  EXPECT_THROW(events.Update(crowd.bvh, Ids{9999}, {.margin = -1}),
-               std::runtime_error);
-  EXPECT_THROW(events.Load(twice), std::runtime_error);
-  SetErrorHandler(nullptr);
-}
-
 TEST(PairEventsRunnerTest, ARunnerThatThrowsChangesNothing) {
   Crowd crowd;
   PairEvents events;
@@ -469,54 +406,6 @@ TEST(PairEventsRunnerTest, ARunnerThatThrowsChangesNothing) {
   EXPECT_THROW(events.Update(crowd.bvh, {.run = run}), std::runtime_error);
   EXPECT_EQ(ListOf(events.pairs()), pairs);
   EXPECT_EQ(events.began().size(), pairs.size());
-}
-
-// What BroadPhase needs besides.
-TEST(PairEventsCoreTest, AFilterChoosesWhatIsKept) {
-  Crowd crowd;
-  struct Filter {
-    bool throws = false;
-    std::size_t calls = 0;
-  } filter;
-  const detail::PairListFilter keeps = {
-      [](void* context, Span<IdPair> pairs) {
-        auto& of = *static_cast<Filter*>(context);
-        ++of.calls;
-        if (of.throws) throw std::runtime_error("no rule");
-        EXPECT_FALSE(pairs.empty());
-        const auto end =
-            std::remove_if(pairs.begin(), pairs.end(), [](const IdPair& pair) {
-              EXPECT_LT(pair.a, pair.b);
-              return (pair.a + pair.b) % 2 == 0;
-            });
-        return static_cast<std::size_t>(end - pairs.begin());
-      },
-      &filter};
-  detail::PairEventsCore core{MemoryResource()};
-  PairSet before;
-  for (const std::size_t share : {100u, 100u, 10u}) {
-    const Ids ids = crowd.Some(share);
-    crowd.Move(ids);
-    PairSet now;
-    for (const auto& [a, b] : FoundIn(crowd.bvh)) {
-      if ((a + b) % 2 != 0) now.emplace(a, b);
-    }
-    const Span<const std::uint32_t> changed = ids;
-    const auto update = [&] {
-      core.Update(detail::PairsIn<AabbView3>(crowd.bvh, nullptr, &changed), {},
-                  keeps);
-    };
-    filter.throws = true;
-    EXPECT_THROW(update(), std::runtime_error);
-    EXPECT_EQ(Sorted(core.pairs()), ListOf(before));
-    filter.throws = false;
-    update();
-    EXPECT_EQ(Sorted(core.pairs()), ListOf(now));
-    EXPECT_EQ(ListOf(core.began()), Missing(now, before));
-    EXPECT_EQ(ListOf(core.ended()), Missing(before, now));
-    before = now;
-  }
-  EXPECT_GT(filter.calls, 10u);
 }
 
 // Subnormals would be 0, or trap. The filter runs in the mode of the caller.
@@ -554,63 +443,49 @@ TEST(PairEventsCoreTest, TheModeOfTheCallerDoesNotMatter) {
   }
 }
 
-// The order of pairs that PairEvents rely on (bvh_pairs.h).
-template <typename View>
-void ExpectInOrderOfTheTree(const Bvh<View>& bvh, const PairVector& pairs) {
-  std::map<std::uint32_t, std::size_t> place;
-  for (std::size_t i = 0; i < bvh.ids().size(); ++i) place[bvh.ids()[i]] = i;
-  std::pair<std::size_t, std::size_t> last;
-  for (const IdPair& pair : pairs) {
-    ASSERT_LT(place[pair.a], place[pair.b]);
-    const std::pair leaves(place[pair.a] / 64, place[pair.b] / 64);
-    ASSERT_GE(leaves, last);
-    last = leaves;
-  }
-}
-
+// The order of pairs that PairEvents rely on (bvh_pairs.h): of leaves, and
+// first the object that is first in the tree. In a set, `a` is always of it.
 TEST(PairOrderTest, IsThatOfTheTree) {
   Crowd crowd;
   for (Target target : TargetsUnderTest()) {
-    for (const bool has_gaps : {false, true}) {
-      AabbBvh3 bvh = crowd.bvh;
-      if (has_gaps) {
-        for (const std::uint32_t id : crowd.Some(30)) bvh.Erase(id);
-      }
-      PairVector pairs(Pairs(bvh, {}));
-      ASSERT_EQ(Pairs(bvh, pairs, {.target = target}), pairs.size());
-      ExpectInOrderOfTheTree(bvh, pairs);
-      if (::testing::Test::HasFatalFailure()) FAIL() << target.name();
-    }
-  }
-}
-
-// Of two objects of a set the one that is first in the tree.
-TEST(PairOrderTest, OfASetIsThatOfTheTreeToo) {
-  Crowd crowd;
-  std::vector<std::size_t> place(6000);
-  for (std::size_t i = 0; i < crowd.bvh.ids().size(); ++i) {
-    place[crowd.bvh.ids()[i]] = i;
-  }
-  std::size_t both = 0;
-  for (Target target : TargetsUnderTest()) {
     for (const std::size_t share : {1u, 10u, 70u, 100u}) {
-      const Ids ids = crowd.Some(share);
-      std::vector<bool> is_in(6000);
-      for (const std::uint32_t id : ids) is_in[id] = true;
-      ForEachPairOf(crowd.bvh, ids,
+      SCOPED_TRACE(::testing::Message() << target.name() << ", " << share);
+      AabbBvh3 bvh = crowd.bvh;
+      for (const std::uint32_t id : crowd.Some(share / 3)) bvh.Erase(id);
+      std::map<std::uint32_t, std::size_t> place;
+      for (std::size_t i = 0; i < bvh.ids().size(); ++i) {
+        place[bvh.ids()[i]] = i;
+      }
+      std::pair<std::size_t, std::size_t> last;
+      ForEachPair(bvh,
+                  [&](Span<const IdPair> pairs) {
+                    for (const auto& [a, b] : pairs) {
+                      ASSERT_LT(place.at(a), place.at(b));
+                      const std::pair leaves(place.at(a) / 64,
+                                             place.at(b) / 64);
+                      ASSERT_GE(leaves, last);
+                      last = leaves;
+                    }
+                  },
+                  {.target = target});
+      Ids ids = crowd.Some(share);
+      std::erase_if(ids, [&](std::uint32_t id) { return !bvh.Has(id); });
+      const std::set<std::uint32_t> set(ids.begin(), ids.end());
+      std::size_t both = 0;
+      ForEachPairOf(bvh, ids,
                     [&](Span<const IdPair> pairs) {
                       for (const auto& [a, b] : pairs) {
-                        ASSERT_TRUE(is_in[a]);
-                        if (!is_in[b]) continue;
+                        ASSERT_TRUE(set.contains(a));
+                        if (!set.contains(b)) continue;
                         ++both;
-                        ASSERT_LT(place[a], place[b]);
+                        ASSERT_LT(place.at(a), place.at(b));
                       }
                     },
                     {.target = target});
-      if (::testing::Test::HasFatalFailure()) FAIL() << target.name();
+      EXPECT_TRUE(both > 100 || share < 10);
+      if (HasFatalFailure()) return;
     }
   }
-  EXPECT_GT(both, 1000u);
 }
 
 }  // namespace

@@ -14,7 +14,6 @@
 #include "tests/library/support/environment.h"
 #include "tests/library/support/flat_cases.h"
 #include "tests/library/support/guarded_memory.h"
-#include "tests/library/support/many_answers.h"
 #include "tests/library/support/sizes.h"
 
 namespace halfspace::testing {
@@ -33,8 +32,6 @@ TEST(GuardedMemoryDeathTest, FaultsOneElementFromEitherGuard) {
   EXPECT_DEATH(touch(first - 1), "");
   EXPECT_DEATH(touch(last + 1), "");
 }
-
-constexpr GuardedSide kSides[] = {GuardedSide::kBefore, GuardedSide::kAfter};
 
 class GuardPagesTest : public ::testing::TestWithParam<FlatCase> {
  protected:
@@ -61,22 +58,36 @@ class GuardPagesTest : public ::testing::TestWithParam<FlatCase> {
     return GetParam().world(pointers, size);
   }
 
-  void Check(const FlatInput& input, std::size_t size, GuardedSide side) {
-    const AnyWorld world = WorldOf(input, size, side);
-    Answer answer;
-    answer.AssignReference(world, input.query());
-    const Outputs outputs = {
-        rows_.Get<std::uint64_t>(answer.reject_mask().size(), side),
-        object_indices_.Get<std::uint32_t>(answer.survivors().size(), side)};
-    for (Target target : targets_) {
-      for (Schedule schedule : kSchedules) {
-        ASSERT_TRUE(Answers(answer, world, input.query(),
-                            {.schedule = schedule, .target = target}, outputs))
-            << size << " objects";
+  // With queries and outputs in such memory too, and a range of the objects.
+  void Check(const FlatInput& input, const AnyQueries& given, std::size_t size,
+             const Range& range = {}) {
+    const std::size_t bytes = given.count * GetParam().query_bytes();
+    for (GuardedSide side : {GuardedSide::kBefore, GuardedSide::kAfter}) {
+      const AnyWorld world = WorldOf(input, size, side);
+      const auto records = queries_memory_.Get<std::byte>(bytes, side);
+      std::copy_n(static_cast<const std::byte*>(given.records), bytes,
+                  records.begin());
+      const AnyQueries queries(records.data(), given.count);
+      const Answers answers = Answers::OfReference(world, queries, range);
+      const std::size_t pairs = answers.survivors().size();
+      const Outputs outputs = {
+          rows_.Get<std::uint64_t>(answers.rejected().size(), side),
+          object_indices_.Get<std::uint32_t>(pairs, side),
+          query_indices_.Get<std::uint32_t>(pairs, side),
+          counts_.Get<std::size_t>(queries.count, side)};
+      for (Target target : targets_) {
+        for (Schedule schedule : kSchedules) {
+          ASSERT_TRUE(CallsAnswer(
+              answers, world, queries,
+              {.schedule = schedule, .target = target, .range = range},
+              outputs))
+              << size << " objects, " << queries.count << " queries, range "
+              << range.begin << ", " << range.end;
+        }
       }
-    }
-    if (!GetParam().is_double && GetParam().seen.dims <= 3) {
-      CheckHalfSpaces(world, side);
+      if (!GetParam().is_double && GetParam().seen.dims <= 3) {
+        CheckHalfSpaces(world, side);
+      }
     }
   }
 
@@ -102,52 +113,19 @@ class GuardPagesTest : public ::testing::TestWithParam<FlatCase> {
     }
   }
 
-  // The first `count` queries, and a range of the objects.
-  void CheckMany(const FlatInput& input, const FlatQueries& all_queries,
-                 std::size_t size, std::size_t count, const Range& range = {}) {
-    const std::size_t bytes = count * GetParam().query_bytes();
-    for (GuardedSide side : kSides) {
-      const AnyWorld world = WorldOf(input, size, side);
-      const auto records = queries_memory_.Get<std::byte>(bytes, side);
-      std::copy_n(all_queries.records().begin(), bytes, records.begin());
-      const AnyQueries queries(records.data(), count);
-      answers_.AssignReference(world, queries, range);
-      const auto rows =
-          rows_.Get<std::uint64_t>(answers_.reject_rows().size(), side);
-      for (Target target : targets_) {
-        for (Schedule schedule : kSchedules) {
-          std::fill(rows.begin(), rows.end(), kUnwritten);
-          const ManyOutputs outputs = {
-              rows, query_indices_.Get<std::uint32_t>(answers_.pairs(), side),
-              object_indices_.Get<std::uint32_t>(answers_.pairs(), side),
-              counts_.Get<std::size_t>(count, side)};
-          ASSERT_TRUE(AnswersMany(
-              answers_, world, queries,
-              {.schedule = schedule, .target = target, .range = range},
-              outputs))
-              << size << " objects, " << count << " queries, range "
-              << range.begin << ", " << range.end;
-        }
-      }
-    }
-  }
-
   void CheckSizes(const std::vector<std::size_t>& sizes) {
     Random random(2);
     for (InputKind kind : {InputKind::kMixed, InputKind::kRuns}) {
       const FlatInput input(GetParam(), kind, sizes.back(), random);
       for (std::size_t size : sizes) {
-        for (GuardedSide side : kSides) {
-          Check(input, size, side);
-          if (HasFatalFailure()) return;
-        }
+        Check(input, input.query(), size);
+        if (HasFatalFailure()) return;
       }
     }
   }
 
  private:
   std::vector<Target> targets_ = TargetsUnderTest();
-  ManyAnswers answers_;
   std::vector<std::unique_ptr<GuardedMemory>> planes_;
   GuardedMemory queries_memory_{kMostQueries * GetParam().query_bytes()};
   GuardedMemory rows_{kMostQueries * MaskWords(kMostObjects) *
@@ -171,7 +149,7 @@ TEST_P(GuardPagesTest, SeveralQueries) {
   const FlatQueries queries(GetParam(), input, kMostQueries, random);
   const auto check = [&](std::size_t size, std::size_t count,
                          const Range& range = {}) {
-    if (!HasFatalFailure()) CheckMany(input, queries, size, count, range);
+    if (!HasFatalFailure()) Check(input, queries.Some(0, count), size, range);
   };
   // Every length of the last word.
   for (std::size_t size = 0; size <= 64 + MostLanes(); ++size) {

@@ -11,10 +11,9 @@
 #include <vector>
 
 #include "halfspace/reject_many.h"
-#include "tests/library/support/canaries.h"
+#include "tests/library/support/answers.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/flat_cases.h"
-#include "tests/library/support/many_canaries.h"
 
 namespace halfspace::testing {
 namespace {
@@ -44,32 +43,27 @@ class RangeTest : public ::testing::TestWithParam<FlatCase> {
     Random random(size);
     input_.emplace(GetParam(), InputKind::kMixed, size, random);
     world_.emplace(input_->WorldAt(0, size, 1));
-    all_queries_ = FlatQueries(GetParam(), *input_, kQueries, random);
-    queries_ = all_queries_.Some(0, kQueries);
-    query_ = all_queries_.Some(0, 1);
+    queries_ = FlatQueries(GetParam(), *input_, kQueries, random);
   }
 
   void CheckAll(std::span<const Range> ranges) {
     for (const Range& range : ranges) {
       SCOPED_TRACE(::testing::Message() << world_->size() << " objects, range "
                                         << range.begin << ", " << range.end);
-      answer_.AssignReference(*world_, query_, range);
-      ASSERT_TRUE(AnswersEverywhere(answer_, *world_, query_, targets_, range));
-      answers_.AssignReference(*world_, queries_, range);
-      ASSERT_TRUE(AnswersManyEverywhere(answers_, *world_, queries_, targets_));
+      for (std::size_t count : {std::size_t{1}, kQueries}) {
+        const AnyQueries queries = queries_.Some(0, count);
+        ASSERT_TRUE(
+            AnswersEverywhere(Answers::OfReference(*world_, queries, range),
+                              *world_, queries, targets_));
+      }
     }
   }
 
-  std::optional<AnyWorld> world_;
-  AnyQueries queries_;
-  AnyQueries query_;
-
  private:
   std::optional<FlatInput> input_;
-  FlatQueries all_queries_;
+  std::optional<AnyWorld> world_;
+  FlatQueries queries_;
   std::vector<Target> targets_ = TargetsUnderTest();
-  Answer answer_;
-  ManyAnswers answers_;
 };
 
 TEST_P(RangeTest, EveryRangeOfASmallWorld) {
@@ -130,41 +124,6 @@ TEST_P(RangeTest, AnySurvivorSeesTheRangeAlone) {
       plane[at] = 1;
     }
   });
-}
-
-TEST_P(RangeTest, PartsMakeTheWhole) {
-  constexpr std::size_t kSize = 4096 + 3 * 64 + 37;
-  SetUpInput(kSize);
-  const auto all = [&] { return world_->Asked(queries_); };
-  const auto one = [&] { return world_->Asked(query_); };
-  std::vector<std::uint64_t> whole(kQueries * MaskWords(kSize));
-  std::vector<std::size_t> whole_counts(kQueries);
-  detail::SurvivorMasks(all(), whole, {}, 0);
-  detail::SurvivorCounts(all(), whole_counts, {});
-  std::vector<std::uint32_t> whole_list(kSize);
-  whole_list.resize(detail::Survivors(one(), whole_list, {}, 0));
-
-  std::vector<std::uint64_t> rows(whole.size());
-  std::vector<std::size_t> counts(kQueries);
-  std::vector<std::size_t> part_counts(kQueries);
-  std::vector<std::uint32_t> list;
-  std::vector<std::uint32_t> part(kSize);
-  // The last part first: the order does not matter.
-  for (const Range& range : {Range{4096 + 64, kMost}, Range{0, 640},
-                             Range{640, 640}, Range{640, 4096 + 64}}) {
-    const Options options{.range = range};
-    detail::SurvivorMasks(all(), std::span(rows).subspan(range.begin / 64),
-                          options, MaskWords(kSize));
-    detail::SurvivorCounts(all(), part_counts, options);
-    for (std::size_t q = 0; q < kQueries; ++q) counts[q] += part_counts[q];
-    const std::size_t found = detail::Survivors(one(), part, options, 0);
-    const auto end = part.begin() + static_cast<std::ptrdiff_t>(found);
-    list.insert(list.end(), part.begin(), end);
-  }
-  std::sort(list.begin(), list.end());
-  EXPECT_EQ(rows, whole);
-  EXPECT_EQ(counts, whole_counts);
-  EXPECT_EQ(list, whole_list);
 }
 
 INSTANTIATE_TEST_SUITE_P(, RangeTest, ::testing::ValuesIn(WholeFlatCases()),

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "tests/library/support/answers.h"
-#include "tests/library/support/canaries.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/flat_cases.h"
 #include "tests/library/support/fp_modes.h"
@@ -112,10 +111,10 @@ class SpecialValuesTest : public ::testing::TestWithParam<FlatCase> {
 
 TEST_P(SpecialValuesTest, FollowTheRuleInEveryLane) {
   ForEachPair([&](const auto& plane) {
-    const Answer answer(Objects(),
-                        [&](std::size_t i) { return plane.Rejects(i); });
+    const Answers answers(Objects(),
+                          [&](std::size_t i) { return plane.Rejects(i); });
     ASSERT_TRUE(
-        AnswersEverywhere(answer, plane.world(), plane.query(), targets_));
+        AnswersEverywhere(answers, plane.world(), plane.query(), targets_));
   });
 }
 
@@ -136,15 +135,15 @@ TEST_P(SpecialValuesTest, UntouchedBoxesAreNumbersToAScan) {
     }
     const AnyWorld world = kind.world(planes, Objects());
     EXPECT_TRUE(
-        AnswersEverywhere(Answer(Objects(), [](std::size_t) { return false; }),
+        AnswersEverywhere(Answers(Objects(), [](std::size_t) { return false; }),
                           world, {everything.data(), 1}, targets_));
     for (std::size_t p = 0; p < kind.seen.plane_count; ++p) {
       auto query = everything;
       T& limit = query[kind.Opposing(p)];
       limit = std::nextafter(limit, T{0});
-      EXPECT_TRUE(
-          AnswersEverywhere(Answer(Objects(), [](std::size_t) { return true; }),
-                            world, {query.data(), 1}, targets_));
+      EXPECT_TRUE(AnswersEverywhere(
+          Answers(Objects(), [](std::size_t) { return true; }), world,
+          {query.data(), 1}, targets_));
     }
   });
 }

@@ -77,7 +77,6 @@ void ReferenceMask(const PlanePointers& planes, std::size_t size,
                         mask);
 }
 
-// By kernels.h: the function for one query, or the one for several.
 template <typename View>
 void UncheckedMasks(const PlanePointers& planes, std::size_t size,
                     const AnyQueries& queries, bool is_one, std::uint64_t* rows,
@@ -140,14 +139,11 @@ class AnyWorld {
     reference_mask_(planes_, size(), query.records, mask.data());
   }
 
+  // By kernels.h: the function for one query, or the one for several.
   bool HasUnchecked() const { return unchecked_masks_ != nullptr; }
-  void UncheckedMask(const AnyQueries& query, std::span<std::uint64_t> mask,
-                     Target target) const {
-    unchecked_masks_(planes_, size(), query, true, mask.data(), target);
-  }
-  void UncheckedMasks(const AnyQueries& queries, std::span<std::uint64_t> rows,
-                      Target target) const {
-    unchecked_masks_(planes_, size(), queries, false, rows.data(), target);
+  void UncheckedMasks(const AnyQueries& queries, bool is_one,
+                      std::span<std::uint64_t> rows, Target target) const {
+    unchecked_masks_(planes_, size(), queries, is_one, rows.data(), target);
   }
 
  private:

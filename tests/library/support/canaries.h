@@ -1,4 +1,4 @@
-// Outputs that notice a write past their end.
+// Memory that notices a write past its end.
 #ifndef HALFSPACE_TESTS_LIBRARY_SUPPORT_CANARIES_H_
 #define HALFSPACE_TESTS_LIBRARY_SUPPORT_CANARIES_H_
 
@@ -8,15 +8,13 @@
 #include <span>
 #include <vector>
 
-#include "tests/library/support/answers.h"
-
 namespace halfspace::testing {
 
 // `size` elements between canaries that can be looked at again.
 template <typename T>
 class Canaried {
  public:
-  static constexpr T kCanary = static_cast<T>(kUnwritten);
+  static constexpr T kCanary = static_cast<T>(0xc5c5c5c5c5c5c5c5u);
   static constexpr std::size_t kEach = 64;  // more than any vector is long
 
   // All of it, the usable part too, becomes canaries.
@@ -37,53 +35,6 @@ class Canaried {
  private:
   std::vector<T> elements_;
 };
-
-class CanariedOutputs {
- public:
-  Outputs For(const Answer& answer) {
-    words_ = answer.reject_mask().size();
-    survivors_ = answer.survivors().size();
-    return {mask_.Reset(words_), indices_.Reset(survivors_)};
-  }
-
-  bool Intact() const {
-    return mask_.IntactBut(words_) && indices_.IntactBut(survivors_);
-  }
-
- private:
-  Canaried<std::uint64_t> mask_;
-  Canaried<std::uint32_t> indices_;
-  std::size_t words_ = 0;
-  std::size_t survivors_ = 0;
-};
-
-// Answers() between canaries, with every schedule on every given target.
-inline ::testing::AssertionResult AnswersEverywhere(
-    const Answer& answer, const AnyWorld& world, const AnyQueries& query,
-    std::span<const Target> targets, const Range& range = {}) {
-  thread_local CanariedOutputs outputs;
-  for (Target target : targets) {
-    for (Schedule schedule : kSchedules) {
-      const Options options{
-          .schedule = schedule, .target = target, .range = range};
-      auto result = Answers(answer, world, query, options, outputs.For(answer));
-      if (!result) return result;
-      if (!outputs.Intact()) {
-        return internal::Fail("a call", options) << "wrote past its output";
-      }
-    }
-  }
-  return ::testing::AssertionSuccess();
-}
-template <typename World>
-::testing::AssertionResult AnswersEverywhere(const Answer& answer,
-                                             const World& world,
-                                             const typename World::Query& query,
-                                             std::span<const Target> targets,
-                                             const Range& range = {}) {
-  return AnswersEverywhere(answer, AnyWorld(world), {&query, 1}, targets,
-                           range);
-}
 
 }  // namespace halfspace::testing
 

@@ -29,14 +29,3 @@ halfspace_add_environment_test(unknown "set:nonsense, and more of it")
 # One of the two is the plain fall-back of every build.
 halfspace_add_environment_test(lower_case_scalar "set:scalar")
 halfspace_add_environment_test(lower_case_emu128 "set:emu128")
-
-# The answers of broad phases, which run on the target of the process.
-if(NOT CMAKE_CROSSCOMPILING_EMULATOR)
-  foreach(name IN LISTS names)
-    add_test(NAME broad_phase_hash.${name}
-             COMMAND hash_test "--gtest_filter=BroadPhaseHashTest/*")
-    set_tests_properties(broad_phase_hash.${name} PROPERTIES
-      LABELS library
-      ENVIRONMENT_MODIFICATION "HALFSPACE_TARGET=set:${name}")
-  endforeach()
-endif()

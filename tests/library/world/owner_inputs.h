@@ -106,10 +106,9 @@ class OwnerTest : public ::testing::TestWithParam<OwnerRow> {
       internal::FillQuantizedQuery(row_.layout, values.data(), model.size(),
                                    random_, query.data());
       const AnyQueries asked(query.data(), 1);
-      Answer exact;
-      exact.AssignReference(floats->seen(), asked);
       ASSERT_TRUE(QuantizedAnswersEverywhere(
-          owner.quantized(), owner.Refined(*floats), exact, asked, target_));
+          owner.quantized(), owner.Refined(*floats),
+          Answers::OfReference(floats->seen(), asked), asked, target_));
     }
   }
 

@@ -1,6 +1,6 @@
-// What calls leave of their outputs: long masks, short lists, none; and what
-// the functions that they call may do. Masks of their exact size, and lists,
-// are compared bit by bit wherever tests compare answers (support/answers.h).
+// What calls leave of their outputs: short lists, none; and what the functions
+// that they call may do. Masks, and whole lists, are compared bit by bit
+// wherever tests compare answers (support/answers.h).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -56,27 +56,6 @@ std::vector<Aabb3> LongerAndLonger(std::size_t count) {
 }
 
 class OutputsTest : public ::testing::TestWithParam<std::size_t> {};
-
-TEST_P(OutputsTest, WordsAndCountsPastTheEndAreNotTouched) {
-  constexpr std::size_t kQueries = 18;
-  const AabbWorld3 world = PointsOnX(GetParam());
-  const std::vector<Aabb3> queries = LongerAndLonger(kQueries);
-  const std::size_t words = MaskWords(world.size());
-  Canaried<std::uint64_t> masks;
-  Canaried<std::size_t> counts;
-  Everywhere([&](const Options& options) {
-    RejectMask(world, queries[0], masks.Reset(words + 5), options);
-    EXPECT_TRUE(masks.IntactBut(words));
-    SurvivorMask(world, queries[0], masks.Reset(words + 5), options);
-    EXPECT_TRUE(masks.IntactBut(words));
-    RejectMasks(world, queries, masks.Reset(kQueries * words + 70), options);
-    EXPECT_TRUE(masks.IntactBut(kQueries * words));
-    SurvivorMasks(world, queries, masks.Reset(kQueries * words + 70), options);
-    EXPECT_TRUE(masks.IntactBut(kQueries * words));
-    SurvivorCounts(world, queries, counts.Reset(kQueries + 70), options);
-    EXPECT_TRUE(counts.IntactBut(kQueries));
-  });
-}
 
 // Pieces of any length make the whole list.
 TEST_P(OutputsTest, ListsHaveWhatFitsFromWhereTheySkip) {
