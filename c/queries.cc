@@ -106,12 +106,11 @@ struct Queries {
   const hs_columns* columns = nullptr;
 };
 
-SearchOptions ReadSearch(const Call& call, const hs_query_options* options,
-                         bool* is_exclusive = nullptr) {
+SearchOptions ReadSearch(const Call& call, const hs_query_options* options) {
   const hs_query_options read =
       ReadOptions(call, "options", options, kQueryDefaults);
-  if (is_exclusive != nullptr) *is_exclusive = read.exclusive != 0;
-  return {read.mask, ReadTarget(call, "options", read.target)};
+  return {read.mask, ReadTarget(call, "options", read.target),
+          read.exclusive != 0};
 }
 
 void CheckLength(const Call& call, const char* argument, float length) {
@@ -332,28 +331,6 @@ void CheckBoxes(const Call& call, const float* rows, std::size_t begin,
   }
 }
 
-// Takes the nearest objects that are not equal to a box.
-struct NearestOthers {
-  const float* box;
-  std::size_t planes;
-  std::size_t room;
-  std::uint32_t* ids;
-  float* distances;
-
-  static float Add(void* others, std::uint32_t id, float distance,
-                   const float* planes) {
-    auto& its = *static_cast<NearestOthers*>(others);
-    std::size_t p = 0;
-    while (p < its.planes && planes[p * detail::kBlockObjects] == its.box[p]) {
-      ++p;
-    }
-    if (p == its.planes) return INFINITY;
-    *its.ids++ = id;
-    if (its.distances != nullptr) *its.distances++ = distance;
-    return --its.room == 0 ? -1.0f : INFINITY;
-  }
-};
-
 // Writes row after row of the nearest objects. `values` has the corners.
 template <typename World>
 void Nearest(const Call& call, const World& world, const hs_columns& columns,
@@ -361,14 +338,10 @@ void Nearest(const Call& call, const World& world, const hs_columns& columns,
              const hs_query_options* options, std::uint32_t* ids,
              float* distances) {
   CheckLength(call, "max_distance", max_distance);
-  bool is_exclusive = false;
-  const SearchOptions search = ReadSearch(call, options, &is_exclusive);
-  if (is_exclusive &&
-      (!kIsBvh<World> || world.layout.kind != PlaneLayout::kAabb)) {
+  const SearchOptions search = ReadSearch(call, options);
+  if (search.exclusive && world.layout.kind != PlaneLayout::kAabb) {
     call.Fail(HS_INVALID_ARGUMENT, "options->exclusive",
-              "expected 0, as %s, got 1",
-              kIsBvh<World> ? "the BVH is not of boxes"
-                            : "this is an option of BVHs alone");
+              "expected 0, as the bounds are not boxes, got 1");
   }
   if (k == 0 || columns.count == 0) return;
   if (columns.count > PTRDIFF_MAX / sizeof(std::uint32_t) / k) {
@@ -389,32 +362,23 @@ void Nearest(const Call& call, const World& world, const hs_columns& columns,
           its_distances = {distances + begin * k, count * k};
         }
         if constexpr (kIsBvh<World>) {
-          if (!is_exclusive) {
-            return detail::BvhNearestOfEach(
-                world.tree, {rows, values.minima, values.count, count}, k,
-                max_distance, its_ids, its_distances, search);
-          }
-        }
-        for (std::size_t q = 0; q < count; ++q) {
-          const detail::NearQueries query = {rows + q * values.count,
-                                             values.minima, values.count, 1};
-          const Span<std::uint32_t> row(its_ids.data() + q * k, k);
-          Span<float> of_row;
-          if (distances != nullptr) of_row = {its_distances.data() + q * k, k};
-          std::size_t found = 0;
-          if constexpr (kIsBvh<World>) {
-            NearestOthers others{query.values, values.count, k, row.data(),
-                                 of_row.data()};
-            detail::BvhForEachNearest(world.tree, query, max_distance,
-                                      &NearestOthers::Add, &others, search);
-            found = k - others.room;
-          } else {
-            found =
+          detail::BvhNearestOfEach(
+              world.tree, {rows, values.minima, values.count, count}, k,
+              max_distance, its_ids, its_distances, search);
+        } else {
+          for (std::size_t q = 0; q < count; ++q) {
+            const detail::NearQueries query = {rows + q * values.count,
+                                               values.minima, values.count, 1};
+            const Span<std::uint32_t> row(its_ids.data() + q * k, k);
+            Span<float> of_row;
+            if (distances != nullptr)
+              of_row = {its_distances.data() + q * k, k};
+            const std::size_t found =
                 world.core.Nearest(query, max_distance, row, of_row, search);
+            std::fill(row.begin() + found, row.end(), HS_NO_ID);
+            if (distances == nullptr) continue;
+            std::fill(of_row.begin() + found, of_row.end(), INFINITY);
           }
-          std::fill(row.begin() + found, row.end(), HS_NO_ID);
-          if (distances == nullptr) continue;
-          std::fill(of_row.begin() + found, of_row.end(), INFINITY);
         }
       });
 }

@@ -94,6 +94,7 @@ NearestSearch MakeSearch(const BvhTree& tree, const SearchOptions& options) {
   search.box.dims = tree.type().dims;
   search.box.max_plane = tree.type().first_max;
   search.mask = options.mask;
+  search.is_exclusive = options.exclusive;
   return search;
 }
 

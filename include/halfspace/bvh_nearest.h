@@ -61,6 +61,10 @@ struct SearchOptions {
   // bits: all ones finds all objects, and 0 none.
   std::uint32_t mask = 0xFFFFFFFF;
   Target target = {};  // by default, the chosen one (targets.h)
+  // Searches leave out the objects whose box of the first d axes is equal to
+  // the box or point of the query (of a simplex, its minima), such as the query
+  // itself. A NaN is equal to nothing. Casts ignore it.
+  bool exclusive = false;
 };
 
 namespace detail {

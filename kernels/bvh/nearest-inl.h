@@ -283,6 +283,7 @@ class NearestFinder {
     const auto from =
         hn::Set(d, level == 0 ? detail::KeyOf(search_.from) : 0.0f);
     const float* const floats = nodes.Plane(block, 0);
+    if (search_.is_exclusive && level == 0) wanted &= ~EqualLanes(floats, end);
     uint64_t bits = 0;
     for (size_t i = 0; i < end; i += hn::Lanes(d)) {
       const auto key = SquaredDistance<kDims>(d, floats + i, search_.box);
@@ -294,6 +295,27 @@ class NearestFinder {
       keys[hwy::Num0BitsBelowLS1Bit_Nonzero64(others)] = kInf;
     }
     return bits & wanted;
+  }
+
+  // The lanes of the objects whose box is that of the query.
+  HWY_INLINE uint64_t EqualLanes(const float* floats, size_t end) const {
+    const WordTag<float> d;
+    const detail::NearBox& box = search_.box;
+    uint64_t bits = ~uint64_t{0};
+    const auto keep = [&](size_t plane, float value) {
+      const float* const values = floats + plane * detail::kBlockObjects;
+      uint64_t equal = 0;
+      for (size_t i = 0; i < end; i += hn::Lanes(d)) {
+        const auto its = hn::Load(d, values + i);
+        equal |= LaneBits(d, hn::Eq(its, hn::Set(d, value))) << i;
+      }
+      bits &= equal;
+    };
+    for (size_t k = 0; k < box.dims; ++k) keep(k, box.low[k]);
+    for (size_t k = 0; k < box.dims && box.max_plane != 0; ++k) {
+      keep(box.max_plane + k, box.high[k]);
+    }
+    return bits;
   }
 
   HWY_INLINE uint64_t ReadKeys(size_t level, size_t block, size_t end,

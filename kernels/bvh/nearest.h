@@ -27,10 +27,11 @@ struct NearestSearch {
   const BvhLevels* levels;
   NearBox box;
   std::uint32_t mask;
-  KeyedSlot from;    // what is less was found before
-  float limit;       // keys up to this are found; finite
-  KeyedSlot* found;  // the least, ascending
-  std::size_t room;  // for so many, at least one
+  bool is_exclusive;  // leaves out the objects whose box is this one
+  KeyedSlot from;     // what is less was found before
+  float limit;        // keys up to this are found; finite
+  KeyedSlot* found;   // the least, ascending
+  std::size_t room;   // for so many, at least one
 };
 
 // Returns the new limit of t; a negative one ends the search. `planes` has the

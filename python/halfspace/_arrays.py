@@ -211,6 +211,14 @@ def masks_of_each(value: Any, name: str, count: int) -> np.ndarray:
     return np.full(count, _masks(value, name, count))
 
 
+def margin(value: Any) -> float:
+    """A finite float32 that is not negative and not below a number."""
+    distance = not_negative(value, "margin")
+    if distance > MOST_FLOAT:
+        raise ValueError(f"margin: expected a finite float32, got {distance}")
+    return round_up(distance)
+
+
 def _masks(value: Any, name: str, count: int) -> np.ndarray:
     array = _array(value, name)
     if array.shape not in ((), (count,)):

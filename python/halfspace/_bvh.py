@@ -11,12 +11,12 @@ from typing import Any, Callable, Iterator, Optional, Tuple, Type, Union
 import numpy as np
 
 from . import _arrays, _files, _halfspace
+from ._searches import Progress, Searches
 
-Progress = Callable[[int, int], object]
 Path = Union[str, "os.PathLike[str]"]
 
 
-class BVH:
+class BVH(Searches):
     """A bounding volume hierarchy of axis-aligned boxes in 2 or 3 dimensions.
 
     The id of a box is its row in `boxes`. Boxes that touch overlap. The tree is
@@ -33,6 +33,8 @@ class BVH:
     quality : "high" or "fast"
         "fast" builds in about a fifth of the time. Queries then take up to 1.4
         times as long. Results are the same.
+    exact : bool
+        Keeps the boxes as float64 next to the tree, and compares them: see Notes.
     threads : int or None
         The number of threads, or None for all CPUs of this process. Results do
         not depend on it.
@@ -47,18 +49,19 @@ class BVH:
     The tree stores float32. Columns of float32 are read in place, and so are
     columns of float64, whose values are rounded outward: minima down, maxima
     up. So no overlap is missed, and boxes that are less than one float32 step
-    apart can be reported as overlapping. To get the exact pairs of float64
-    boxes, test the candidates again:
+    apart can be reported as overlapping. With `exact=True` the results of `query`,
+    `query_batches`, `count`, `any`, `pairs`, `pairs_of` and `join` are those of the
+    float64 boxes. All other searches, and `within`, use the rounded boxes. An exact
+    tree takes 8 more bytes for each value of a box. It can be pickled, but it has no
+    `blob` and no file.
 
     >>> import numpy as np, halfspace as hs
     >>> a = np.array([[0, 0, 1, 1], [2, 2, 3, 3]], float)
     >>> b = np.array([[1, 1, 2 - 1e-12, 2 - 1e-12]])
-    >>> rows, ids = hs.BVH(a).query(b)
-    >>> sorted(ids.tolist())
+    >>> sorted(hs.BVH(a).query(b)[1].tolist())
     [0, 1]
-    >>> exact = ((b[rows, :2] <= a[ids, 2:]) & (a[ids, :2] <= b[rows, 2:])).all(axis=1)
-    >>> rows[exact], ids[exact]
-    (array([0]), array([0]))
+    >>> hs.BVH(a, exact=True).query(b)[1]
+    array([0])
 
     A NaN, or a box with min > max, raises ValueError. The exception is the empty
     box, with minima of inf and maxima of -inf: only a query without limits can
@@ -79,15 +82,14 @@ class BVH:
         boxes: Any,
         *,
         quality: str = "high",
+        exact: bool = False,
         threads: Optional[int] = 1,
         progress: Optional[Progress] = None,
     ) -> None:
-        # An array compares element by element.
-        if not isinstance(quality, str) or quality not in ("high", "fast"):
-            raise ValueError(f'quality: expected "high" or "fast", got {quality!r}')
+        is_fast = _is_fast(quality)
         table = _arrays.boxes(boxes, "boxes", most=_arrays.MOST_OBJECTS)
         self._tree = _halfspace.Tree(
-            table.arrays, quality == "fast", _arrays.threads(threads), progress
+            table.arrays, is_fast, bool(exact), _arrays.threads(threads), progress
         )
 
     @classmethod
@@ -132,8 +134,14 @@ class BVH:
         """Returns the tree as bytes, without a copy, to store or to send.
 
         The tree cannot change while the memoryview exists. The first call after
-        a change computes a checksum.
+        a change computes a checksum. It has the masks. Raises TypeError for an
+        exact tree, whose float64 boxes are not stored either.
         """
+        if self._tree.is_exact:
+            raise TypeError("expected a tree that is not exact: pickle an exact one")
+        return self._blob()
+
+    def _blob(self) -> memoryview:
         blob: Any = self._tree.blob()  # a buffer
         return memoryview(blob)
 
@@ -149,91 +157,23 @@ class BVH:
 
     def __reduce_ex__(self, protocol: Any) -> Tuple[Any, ...]:
         # Out of band if the pickler has a buffer_callback, and in band if not.
-        blob = self.blob()
+        blob = self._blob()
         data = pickle.PickleBuffer(blob) if protocol >= 5 else bytes(blob)
-        return _unpickle, (type(self), data), getattr(self, "__dict__", None)
-
-    def query(
-        self,
-        boxes: Any,
-        *,
-        within: Any = None,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> np.ndarray:
-        """Finds the objects that overlap boxes, or that are near them.
-
-        Parameters
-        ----------
-        boxes : array_like, shape (m, 2 d) or (2 d,)
-            As in `BVH`, in the dimensions of the tree.
-        within : float or array_like, shape (m,), optional
-            Finds the objects whose distance from the box is at most `within`.
-        threads, progress
-            As in `BVH`.
-
-        Returns
-        -------
-        ndarray of int64, shape (2, n) or (n,)
-            `rows, ids`: object `ids[i]` overlaps box `rows[i]`. `rows` ascend.
-            The ids of one row are in no particular order, but equal calls
-            return the same order. For one box of shape (2 d,) only the ids, of
-            shape (n,).
-
-        Notes
-        -----
-        The results take 16 bytes per pair, and 8 more during the call. If that
-        is too much, use `query_batches`. Ids are int64 because NumPy converts
-        any other index to it.
-
-        Examples
-        --------
-        >>> import halfspace as hs
-        >>> tree = hs.BVH([[0, 0, 1, 1], [2, 2, 3, 3]])
-        >>> rows, ids = tree.query([[0, 0, 2, 2], [5, 5, 6, 6], [1, 0, 2, 1]])
-        >>> rows
-        array([0, 0, 2])
-        >>> tree.query([3, 3, 4, 4])
-        array([1])
-        """
-        if type(boxes) is np.ndarray and boxes.ndim == 1 and within is None:
-            ids = self._tree.query_one(boxes)
-            if ids is not None:
-                return ids
-        table = self._boxes(boxes)
-        if within is not None:
-            table = _arrays.rounded_boxes(table, within)
-        return self._query(table, _arrays.threads(threads), progress)
-
-    def query_sphere(
-        self,
-        centers: Any,
-        radii: Any,
-        *,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> np.ndarray:
-        """Finds the objects that spheres touch: those at most `radii` from `centers`.
-
-        `centers` has the shape (m, d) or (d,), and `radii` is one number, or
-        one for each center. float64 spheres are enclosed. Results are those of
-        `query`.
-        """
-        spheres = _arrays.spheres(centers, radii, self.dims)
-        return self._query(spheres, _arrays.threads(threads), progress)
+        doubles = (self._tree.doubles(),) if self._tree.is_exact else ()
+        return _unpickle, (type(self), data, *doubles), getattr(self, "__dict__", None)
 
     def _query(
-        self, table: _arrays.Table, threads: int, progress: Optional[Progress]
+        self, table: _arrays.Table, mask: int, threads: int, progress: Optional[Progress]
     ) -> np.ndarray:
-        by_join = (
+        if (
             table.length >= 4096
             and table.columns == 2 * self.dims
-            and self._is_join_faster(table)
-        )
-        found = self._tree.query(table.arrays, by_join, threads, progress)
-        return found[1] if table.single else found
+            and self._is_join_faster(table, mask)
+        ):
+            return self._tree.query_by_join(table.arrays, mask, threads, progress)
+        return super()._query(table, mask, threads, progress)
 
-    def _is_join_faster(self, table: _arrays.Table) -> bool:
+    def _is_join_faster(self, table: _arrays.Table, mask: int) -> bool:
         # As measured with 10^3 to 10^6 objects and 10^4 to 10^6 queries. With fewer
         # queries the leaves of their tree are too large, more so in 3 dimensions, and
         # a join reads more: it takes up to 5 times as long. With many results it takes
@@ -247,13 +187,14 @@ class BVH:
         sample = tuple(a[: 64 * step : step] for a in table.arrays)
         # In a large tree, queries in turn also miss the cache.
         many_results = 64 * (8 if size < 2**18 else 16)
-        return bool(self._tree.count(sample, 1, None).sum() < many_results)
+        return bool(self._tree.count(sample, mask, 1, None).sum() < many_results)
 
     def query_batches(
         self,
         boxes: Any,
         max_results: int = 10_000_000,
         *,
+        mask: Optional[int] = None,
         threads: Optional[int] = 1,
     ) -> Iterator[np.ndarray]:
         """Yields the results of `query` in batches of at most `max_results`.
@@ -266,21 +207,22 @@ class BVH:
         """
         table = self._boxes(boxes)
         most = _arrays.positive(max_results, "max_results")
-        return self._batches(table, most, _arrays.threads(threads))
+        return self._batches(table, most, _arrays.mask(mask), _arrays.threads(threads))
 
     def _batches(
-        self, table: _arrays.Table, most: int, threads: int
+        self, table: _arrays.Table, most: int, mask: int, threads: int
     ) -> Iterator[np.ndarray]:
         changes = self._tree.changes
         step = 1 << 16  # boxes that are counted at a time
         for first in range(0, table.length, step):
             block = table.rows(first, min(first + step, table.length))
-            ends = np.cumsum(self._tree.count(block.arrays, threads, None), dtype=np.int64)
+            counts = self._tree.count(block.arrays, mask, threads, None)
+            ends = np.cumsum(counts, dtype=np.int64)
             begin, found = 0, 0
             while begin < block.length:
                 # As many rows as have at most so many results, or one.
                 end = int(np.searchsorted(ends, found + most, "right"))
-                for batch in self._batch(block, begin, end, most, threads):
+                for batch in self._batch(block, begin, end, most, mask, threads):
                     self._check_unchanged(changes)
                     batch[0] += first
                     yield batch
@@ -294,231 +236,53 @@ class BVH:
             raise RuntimeError("the tree changed during query_batches")
 
     def _batch(
-        self, block: _arrays.Table, begin: int, end: int, most: int, threads: int
+        self,
+        block: _arrays.Table,
+        begin: int,
+        end: int,
+        most: int,
+        mask: int,
+        threads: int,
     ) -> Iterator[np.ndarray]:
         if end > begin:
-            batch = self._query(block.rows(begin, end), threads, None)
+            batch = self._query(block.rows(begin, end), mask, threads, None)
             batch[0] += begin
             if batch.shape[1]:
                 yield batch
             return
         arrays = block.rows(begin, begin + 1).arrays
-        skip = 0
-        while True:
-            found, total = self._tree.query_some(arrays, skip, most)
-            ids = found[: max(0, total - skip)]
-            if not len(ids):
-                return
-            skip += len(ids)
-            yield np.stack([np.full(len(ids), begin, np.int64), ids])
-
-    def count(
-        self,
-        boxes: Any,
-        *,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> Union[np.ndarray, int]:
-        """Counts the objects that overlap each box.
-
-        Returns an array of int64 with the shape (m,), or an int for one box.
-        Arguments are those of `query`.
-        """
-        if type(boxes) is np.ndarray and boxes.ndim == 1:
-            count = self._tree.count_one(boxes)
-            if count is not None:
-                return count
-        table = self._boxes(boxes)
-        counts = self._tree.count(table.arrays, _arrays.threads(threads), progress)
-        return int(counts[0, 0]) if table.single else counts[:, 0].astype(np.int64)
-
-    def any(
-        self,
-        boxes: Any,
-        *,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> Union[np.ndarray, bool]:
-        """Returns for each box whether an object overlaps it.
-
-        Returns an array of bool with the shape (m,), or a bool for one box.
-        Arguments are those of `query`.
-        """
-        if type(boxes) is np.ndarray and boxes.ndim == 1:
-            found = self._tree.any_one(boxes)
-            if found is not None:
-                return found != _arrays.NO_ID
-        table = self._boxes(boxes)
-        ids = self._tree.any(table.arrays, _arrays.threads(threads), progress)
-        if table.single:
-            return int(ids[0, 0]) != _arrays.NO_ID
-        return ids[:, 0] != _arrays.NO_ID
-
-    def nearest(
-        self,
-        points: Any,
-        k: int = 1,
-        *,
-        max_distance: float = float("inf"),
-        exclusive: bool = False,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> Tuple[np.ndarray, np.ndarray]:
-        """Finds the k objects that are nearest to each point or box.
-
-        Parameters
-        ----------
-        points : array_like, shape (m, d), (d,), (m, 2 d) or (2 d,)
-            Points, or boxes as in `query`.
-        k : int
-            At least 1.
-        max_distance : float
-            Objects that are farther away are not found.
-        exclusive : bool
-            Leaves out the objects whose box is equal to the query as float32,
-            such as the query itself if the tree has it.
-        threads, progress
-            As in `BVH`.
-
-        Returns
-        -------
-        ids : ndarray of int64, shape (m, k) or (k,)
-            The nearest object first. -1 if there are fewer than k within
-            `max_distance`, or within about 2^64, the largest distance whose
-            square is a float32.
-        distances : ndarray of float32, shape (m, k) or (k,)
-            The Euclidean distances of the boxes, within 2^-20 (relative), and 0
-            for boxes that touch. inf if there are fewer than k. For a point of
-            float64 it is the distance of the box of floats around the point.
-
-        Examples
-        --------
-        >>> import halfspace as hs
-        >>> tree = hs.BVH([[0, 0, 1, 1], [4, 0, 5, 1]])
-        >>> tree.nearest([2, 0], k=3)
-        (array([ 0,  1, -1]), array([ 1.,  2., inf], dtype=float32))
-        """
-        table = _arrays.points_or_boxes(points, "points", self.dims)
-        count = _arrays.positive(k, "k")
-        limit = _arrays.round_up(_arrays.not_negative(max_distance, "max_distance"))
-        ids, distances = self._tree.nearest(
-            table.arrays, count, limit, bool(exclusive), _arrays.threads(threads), progress
-        )
-        return (ids[0], distances[0]) if table.single else (ids, distances)
-
-    def raycast(
-        self,
-        origins: Any,
-        directions: Any,
-        max_t: Any = float("inf"),
-        *,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> Tuple[Any, Any]:
-        """Finds the first box that each ray enters.
-
-        A ray has the points `origin + t * direction` with `0 <= t <= max_t`.
-
-        Parameters
-        ----------
-        origins, directions : array_like, shape (m, d) or (d,)
-            One of the two can have the shape (d,) for all rays. float64 is
-            rounded to the nearest float32, so a ray can miss a box that it
-            only touches. A finite direction, not 0, that float32 rounds to 0
-            or infinity is an error.
-        max_t : float or array_like of shape (m,)
-            In multiples of the direction.
-        threads, progress
-            As in `BVH`.
-
-        Returns
-        -------
-        ids : ndarray of int64, shape (m,)
-            -1 if the ray enters no box. Of boxes with equal t, the least id.
-        t : ndarray of float32, shape (m,)
-            At most the exact value, and less by at most 2^-18 (relative) plus
-            the rounding of the ray. 0 if the origin is inside, and inf if the
-            ray enters no box.
-
-        For one ray `ids` and `t` are numbers.
-
-        Examples
-        --------
-        >>> import halfspace as hs
-        >>> tree = hs.BVH([[1, 0, 2, 1], [4, 0, 5, 1]])
-        >>> ids, t = tree.raycast([[0, 0.5], [3, 0.5]], [1, 0])
-        >>> ids
-        array([0, 1])
-        """
-        starts = _arrays.points(origins, "origins", self.dims)
-        return self._cast(starts, "origins", directions, max_t, threads, progress)
-
-    def boxcast(
-        self,
-        boxes: Any,
-        directions: Any,
-        max_t: Any = float("inf"),
-        *,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> Tuple[Any, Any]:
-        """Finds the first box of the tree that each box touches on its way.
-
-        A box moves by t times its direction. float64 boxes are enclosed. The
-        rest is as in `raycast`.
-
-        >>> import halfspace as hs
-        >>> tree = hs.BVH([[5, 1, 6, 2], [8, 0, 9, 1]])
-        >>> tree.boxcast([0, 0, 1, 1.5], [1, 0])
-        (0, 4.0)
-        """
-        starts = self._boxes(boxes)
-        return self._cast(starts, "boxes", directions, max_t, threads, progress)
-
-    def spherecast(
-        self,
-        centers: Any,
-        radii: Any,
-        directions: Any,
-        max_t: Any = float("inf"),
-        *,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> Tuple[Any, Any]:
-        """Finds the first box that each sphere touches on its way.
-
-        `centers` has the shape (m, d) or (d,), and `radii` is one number, or
-        one for each center. float64 spheres are enclosed. The rest is as in
-        `boxcast`.
-        """
-        starts = _arrays.spheres(centers, radii, self.dims)
-        return self._cast(starts, "centers", directions, max_t, threads, progress)
-
-    def _cast(
-        self,
-        starts: _arrays.Table,
-        name: str,
-        directions: Any,
-        max_t: Any,
-        threads: Optional[int],
-        progress: Optional[Progress],
-    ) -> Tuple[Any, Any]:
-        arrays, motions, single = _arrays.casts(
-            starts, name, directions, max_t, self.dims
-        )
-        ids, t = self._tree.cast(arrays, motions, _arrays.threads(threads), progress)
-        return (int(ids[0, 0]), float(t[0, 0])) if single else (ids[:, 0], t[:, 0])
+        skip, total = 0, 1
+        while skip < total:
+            ids, total = self._tree.query_some(arrays, mask, skip, most)
+            skip += most
+            if len(ids):
+                yield np.stack([np.full(len(ids), begin, np.int64), ids])
 
     def pairs(
-        self, *, threads: Optional[int] = 1, progress: Optional[Progress] = None
+        self,
+        *,
+        margin: float = 0.0,
+        mask: Optional[int] = None,
+        threads: Optional[int] = 1,
+        progress: Optional[Progress] = None,
     ) -> np.ndarray:
         """Finds all pairs of objects that overlap each other.
+
+        With `margin`, also those that are at most `margin` apart on each axis. It
+        is rounded up to float32. With `mask`, the masks of both objects have one of
+        its bits.
 
         Returns `i, j`, an array of int64 with the shape (2, n), with `i < j`.
         Each pair is found once. The order of the pairs is unspecified, but
         equal calls return the same order.
         """
-        return self._tree.pairs(None, _arrays.threads(threads), progress)
+        return self._tree.pairs(
+            None,
+            _arrays.margin(margin),
+            _arrays.mask(mask),
+            _arrays.threads(threads),
+            progress,
+        )
 
     def insert(self, boxes: Any) -> Union[np.ndarray, int]:
         """Adds objects and returns their ids.
@@ -566,7 +330,7 @@ class BVH:
         Without `ids`, row i of `boxes` is the new box of object i, and there
         must be a row for every id up to the greatest. With `ids`, row i is the
         new box of object `ids[i]`. The tree keeps its order, so queries become
-        slower when objects have moved far. Then build a new tree.
+        slower when objects have moved far: see `cost_ratio`.
 
         If an exception of `progress` or Ctrl-C ends the call, call `refit`
         again before the next query.
@@ -581,6 +345,35 @@ class BVH:
                 f"the tree, got {table.length}"
             )
         self._tree.refit(table.arrays, _arrays.threads(threads), progress)
+
+    def rebuild(self, *, quality: str = "high", threads: Optional[int] = 1) -> None:
+        """Sorts all objects again, and frees memory. Ids stay.
+
+        `quality` and `threads` are those of `BVH`.
+        """
+        self._tree.rebuild(_is_fast(quality), _arrays.threads(threads))
+
+    @property
+    def cost_ratio(self) -> float:
+        """How much the order has decayed: 1 as sorted, and 2 if queries visit up to
+        twice as many leaves. `rebuild` makes it 1. inf if more than 64 objects were
+        never sorted. Takes a pass over the leaves.
+        """
+        return self._tree.cost_ratio()
+
+    def set_masks(self, masks: Any, ids: Any = None) -> None:
+        """Sets the masks of objects, for the `mask` of searches.
+
+        Without `ids`, element i of `masks` is the mask of object i, and there must
+        be one for every id up to the greatest. With `ids`, it is that of object
+        `ids[i]`. One integer is the mask of all of them. Masks have 32 bits, and
+        new objects have all.
+        """
+        wanted = np.empty(0, np.uint32) if ids is None else _arrays.ids(ids, "ids")
+        count = self._tree.id_limit() if ids is None else len(wanted)
+        if count:
+            its_masks = _arrays.masks_of_each(masks, "masks", count)
+            self._tree.set_masks(wanted, its_masks)
 
     @contextlib.contextmanager
     def changing(self) -> Iterator[None]:
@@ -603,19 +396,10 @@ class BVH:
         finally:
             self._tree.disown()
 
-    def __len__(self) -> int:
-        """The number of objects."""
-        return self._tree.size()
-
-    @property
-    def dims(self) -> int:
-        """The number of dimensions, 2 or 3."""
-        return self._tree.dims
-
     @property
     def nbytes(self) -> int:
         """The size of the tree in memory, and of a file that `save` writes."""
-        return self._tree.nbytes()
+        return self._tree.nbytes() + self._tree.nbytes_of_doubles
 
     @property
     def bounds(self) -> np.ndarray:
@@ -625,11 +409,15 @@ class BVH:
     def boxes(self, ids: Any = None) -> np.ndarray:
         """Returns the stored boxes of all ids, or of some: float32, shape (n, 2 d).
 
-        Boxes of float64 were rounded outward. Row i is the box of object i, or of
+        Boxes of float64 were rounded outward, except in an exact tree. Row i is the box of object i, or of
         object `ids[i]`. The box of an id without an object is empty: minima of inf,
         maxima of -inf. Takes a pass over all objects.
         """
         boxes = self._tree.boxes()
+        if self._tree.is_exact:
+            doubles = self._tree.doubles()[: boxes.size].reshape(boxes.shape)
+            is_there = boxes[:, :1] <= boxes[:, self.dims, None]
+            boxes = np.where(is_there, doubles, boxes)
         if ids is None:
             return boxes
         wanted = _arrays.ids(ids, "ids")
@@ -642,22 +430,13 @@ class BVH:
     def __repr__(self) -> str:
         return f"<halfspace.BVH: {len(self)} boxes in {self.dims} dimensions>"
 
-    def _boxes(self, value: Any) -> _arrays.Table:
-        return _arrays.boxes(value, "boxes", self.dims)
-
-    def _rows(self, ids: Any, boxes: Any) -> Tuple[_arrays.Arrays, np.ndarray]:
-        table, wanted = self._boxes(boxes), _arrays.ids(ids, "ids")
-        if len(wanted) != table.length:
-            raise ValueError(
-                f"ids: expected one id for each of {table.length} boxes, got {len(wanted)}"
-            )
-        return table.arrays, wanted
-
 
 def join(
     a: BVH,
     b: BVH,
     *,
+    margin: float = 0.0,
+    mask: Optional[int] = None,
     threads: Optional[int] = 1,
     progress: Optional[Progress] = None,
 ) -> np.ndarray:
@@ -666,7 +445,8 @@ def join(
     Returns `i, j`, an array of int64 with the shape (2, n): object `i[k]` of `a`
     overlaps object `j[k]` of `b`. The order of the pairs is unspecified, but
     equal calls return the same order. `threads` and `progress` are those of
-    `BVH`. To group the pairs by `i`, call `b.query` with the boxes of `a`.
+    `BVH`, and `margin` and `mask` those of `BVH.pairs`. It is exact if one of the
+    trees is: the boxes of the other one are as it stores them. To group the pairs by `i`, call `b.query` with the boxes of `a`.
 
     >>> import halfspace as hs
     >>> a = hs.BVH([[0, 0, 1, 1], [2, 2, 3, 3]])
@@ -681,7 +461,20 @@ def join(
         raise ValueError(
             f"b: expected a BVH of {a.dims} dimensions, as a, got {b.dims} dimensions"
         )
-    return a._tree.pairs(b._tree, _arrays.threads(threads), progress)
+    return a._tree.pairs(
+        b._tree,
+        _arrays.margin(margin),
+        _arrays.mask(mask),
+        _arrays.threads(threads),
+        progress,
+    )
+
+
+def _is_fast(quality: Any) -> bool:
+    # An array compares element by element.
+    if not isinstance(quality, str) or quality not in ("high", "fast"):
+        raise ValueError(f'quality: expected "high" or "fast", got {quality!r}')
+    return quality == "fast"
 
 
 def _load(blob: Any, name: str, verify: bool) -> _halfspace.Tree:
@@ -692,5 +485,8 @@ def _load(blob: Any, name: str, verify: bool) -> _halfspace.Tree:
         raise ValueError(f"{name}: {error}") from None
 
 
-def _unpickle(cls: Type[BVH], blob: Any) -> BVH:
-    return cls._of(_load(blob, "pickle of a halfspace.BVH", False))
+def _unpickle(cls: Type[BVH], blob: Any, doubles: Optional[np.ndarray] = None) -> BVH:
+    tree = _load(blob, "pickle of a halfspace.BVH", False)
+    if doubles is not None:
+        tree.set_doubles(doubles)
+    return cls._of(tree)

@@ -57,8 +57,7 @@ class STRtree:
         bounds = _bounds_of(self._geometries)
         # The index of each geometry that has a box.
         self._index = np.flatnonzero(~np.isnan(bounds).any(axis=1))
-        self._bounds = bounds[self._index]
-        self._tree = BVH(self._bounds)
+        self._tree = BVH(bounds[self._index], exact=True)
 
     def __len__(self) -> int:
         return len(self._index)
@@ -192,11 +191,7 @@ class STRtree:
     def _overlaps(self, boxes: np.ndarray, used: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
         """The rows of `used` and the objects of the tree whose boxes overlap."""
         rows, ids = self._tree.query(boxes[used])
-        rows = used[rows]
-        # The tree has floats that enclose the doubles.
-        a, b = boxes[rows], self._bounds[ids]
-        is_kept = (a[:, :2] <= b[:, 2:]).all(axis=1) & (b[:, :2] <= a[:, 2:]).all(axis=1)
-        return rows[is_kept], ids[is_kept]
+        return used[rows], ids
 
     def _first_distances(
         self, given: np.ndarray, boxes: np.ndarray, used: np.ndarray, exclusive: bool

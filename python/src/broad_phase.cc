@@ -11,6 +11,7 @@
 
 #include "columns.h"
 #include "results.h"
+#include "searches.h"
 #include "work.h"
 
 namespace py = pybind11;
@@ -22,8 +23,12 @@ namespace {
 using Masks = ShortIds;
 using Pairs = std::vector<hs_id_pair>;
 
-// Queries of one part. A part whose ids do not fit runs twice.
-constexpr std::size_t kInPart = 64;
+// Writes the records of boxes.
+void BoundBoxes(hs_kind kind, const hs_columns& boxes, float* records) {
+  hs_bound_options options = DefaultOf(&hs_bound_options_default);
+  options.tightest = 1;
+  Check(hs_bound_boxes(kind, &boxes, &options, records, nullptr));
+}
 
 // The object of Python. It has the lock of the broad phase, and one for the
 // pairs of the last update, which are the memory of the broad phase.
@@ -40,8 +45,26 @@ struct Bodies {
   std::size_t values;  // of a record
   std::mutex pairs;
 
+  using Functions = BroadPhaseFunctions;
+  struct Reading {
+    explicit Reading(const Bodies& /*unused*/) {}
+  };
+  // A part whose ids do not fit runs twice.
+  static constexpr std::size_t kPart = 64;
+  static constexpr bool is_exact = false;
+
   hs_broad_phase* get() const { return bodies.get(); }
-  bool is_of_boxes() const { return kind == HS_BOX2 || kind == HS_BOX3; }
+  hs_columns QueryOf(const hs_columns& box, float* record) const {
+    if (kind == HS_BOX2 || kind == HS_BOX3) return box;
+    BoundBoxes(kind, box, record);
+    return hs_float_rows(record, 1, values);
+  }
+  static std::size_t Keep(const hs_columns& /*unused*/,
+                          std::span<std::uint32_t> ids,
+                          std::size_t* /*unused*/) {
+    return ids.size();
+  }
+  static void KeepPairs(float /*unused*/, Pairs& /*unused*/) {}
 };
 
 // Calls a C function without the interpreter's lock.
@@ -69,13 +92,6 @@ void Update(const Bodies& bodies, std::size_t budget, std::size_t threads) {
   options.run_context = &its_threads;
   const py::gil_scoped_release release;
   its_threads.Check(kFunction(bodies.get(), &options));
-}
-
-// Writes the records of boxes.
-void BoundBoxes(hs_kind kind, const hs_columns& boxes, float* records) {
-  hs_bound_options options = DefaultOf(&hs_bound_options_default);
-  options.tightest = 1;
-  Check(hs_bound_boxes(kind, &boxes, &options, records, nullptr));
 }
 
 std::size_t Length(const ShortIds& ids) {
@@ -131,101 +147,6 @@ void SetMasks(const Bodies& bodies, const ShortIds& ids, const Masks& masks) {
   const hs_body_masks* const its_masks = MasksIn(masks, Length(ids));
   Call(&hs_broad_phase_set_masks, bodies.get(), ids.data(), its_masks,
        its_masks == nullptr ? 0 : Length(ids));
-}
-
-hs_query_options OptionsOf(std::uint32_t mask) {
-  hs_query_options options = DefaultOf(&hs_query_options_default);
-  options.mask = mask;
-  return options;
-}
-
-// Queries of spheres, or of bounds.
-Ids Query(const Bodies& bodies, const py::tuple& arrays, std::uint32_t mask,
-          std::size_t threads, py::object progress) {
-  const Columns queries(arrays);
-  hs_query_options options = OptionsOf(mask);
-  if (queries.size == bodies.dims + 1) options.shape = HS_SHAPE_SPHERE;
-  Work work(threads, std::move(progress));
-  Ids ids = FindAll(queries, kInPart, work,
-                    FinderOf(bodies.get(), &hs_broad_phase_query, &options));
-  work.Finish();
-  return ids;
-}
-
-py::object QueryOne(const Bodies& bodies, const py::array& array,
-                    std::uint32_t mask) {
-  const hs_query_options options = OptionsOf(mask);
-  const auto find = FinderOf(bodies.get(), &hs_broad_phase_query, &options);
-  return FindOfOne(array, bodies.dims,
-                   [&](const hs_columns& box, std::span<std::uint32_t> ids,
-                       std::size_t* offsets) {
-                     if (bodies.is_of_boxes()) return find(box, ids, offsets);
-                     std::array<float, HS_MAX_COLUMNS> record;
-                     BoundBoxes(bodies.kind, box, record.data());
-                     return find(hs_float_rows(record.data(), 1, bodies.values),
-                                 ids, offsets);
-                   });
-}
-
-// hs_broad_phase_count() or hs_broad_phase_any().
-template <auto kFunction>
-py::array AskAll(const Bodies& bodies, const py::tuple& arrays,
-                 std::uint32_t mask, std::size_t threads, py::object progress) {
-  const Columns queries(arrays);
-  const hs_query_options options = OptionsOf(mask);
-  Work work(threads, std::move(progress));
-  return AskEach(bodies.get(), kFunction, queries, kPartQueries, work,
-                 &options);
-}
-
-py::tuple Nearest(const Bodies& bodies, const py::tuple& arrays, std::size_t k,
-                  float max_distance, std::uint32_t mask, std::size_t threads,
-                  py::object progress) {
-  const Columns queries(arrays);
-  Work work(threads, std::move(progress));
-  return FindNearest(bodies.get(),
-                     queries.size == bodies.dims
-                         ? &hs_broad_phase_nearest_to_points
-                         : &hs_broad_phase_nearest_to_boxes,
-                     queries, k, max_distance, OptionsOf(mask), work);
-}
-
-py::tuple Cast(const Bodies& bodies, const py::tuple& starts,
-               const py::tuple& motions, std::uint32_t mask,
-               std::size_t threads, py::object progress) {
-  Work work(threads, std::move(progress));
-  return FindFirst<&hs_broad_phase_raycast, &hs_broad_phase_boxcast,
-                   &hs_broad_phase_spherecast>(
-      bodies.get(), bodies.dims, Columns(starts), Columns(motions),
-      OptionsOf(mask), work);
-}
-
-// An array of shape (n, 2).
-Ids ToArray(const Pairs& pairs) {
-  Ids ids(std::vector<std::size_t>{pairs.size(), 2});
-  static_assert(sizeof(hs_id_pair) == 2 * sizeof(std::uint32_t));
-  std::copy_n(reinterpret_cast<const std::uint32_t*>(pairs.data()),
-              2 * pairs.size(), ids.mutable_data());
-  return ids;
-}
-
-// `wanted` has an element for each id, or none.
-Ids PairsOf(const Bodies& bodies, const ShortIds& ids, float margin,
-            std::uint32_t mask, const ShortIds& wanted) {
-  if (wanted.size() != 0 && wanted.size() != ids.size()) ThrowNotPrepared();
-  hs_pair_options options = DefaultOf(&hs_pair_options_default);
-  options.margin = margin;
-  options.mask = mask;
-  if (wanted.size() != 0) options.wanted = wanted.data();
-  Pairs pairs;
-  const auto add = [](void* to, const hs_id_pair* some, std::size_t count) {
-    auto& its = *static_cast<Pairs*>(to);
-    its.insert(its.end(), some, some + count);
-    return HS_CONTINUE;
-  };
-  Call(&hs_broad_phase_pairs_of_each, bodies.get(), ids.data(), Length(ids),
-       &options, add, &pairs);
-  return ToArray(pairs);
 }
 
 // With the lock of the pairs.
@@ -331,8 +252,9 @@ py::array_t<float> Octahedra(const Bodies& bodies, const py::tuple& arrays) {
 }  // namespace
 
 void DefineBroadPhase(py::module_& module) {
-  py::class_<Bodies>(module, "BroadPhase")
-      .def(py::init(&MakeBodies))
+  py::class_<Bodies> of(module, "BroadPhase");
+  Searches<Bodies>::Define(of);
+  of.def(py::init(&MakeBodies))
       .def("insert", &Insert)
       .def("erase",
            [](const Bodies& bodies, const ShortIds& ids) {
@@ -343,13 +265,6 @@ void DefineBroadPhase(py::module_& module) {
       .def("set_masks", &SetMasks)
       .def("update", &Update<&hs_broad_phase_update>)
       .def("rebuild", &Update<&hs_broad_phase_rebuild>)
-      .def("query", &Query)
-      .def("query_one", &QueryOne)
-      .def("count", &AskAll<&hs_broad_phase_count>)
-      .def("any", &AskAll<&hs_broad_phase_any>)
-      .def("nearest", &Nearest)
-      .def("cast", &Cast)
-      .def("pairs_of", &PairsOf)
       .def("update_pairs", &UpdatePairs)
       .def("pairs", &PairsNow)
       .def("copy", &Copy)

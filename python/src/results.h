@@ -48,21 +48,22 @@ struct Results {
     lists[part].assign(buffer.data(), buffer.data() + found);
   }
 
-  // Returns where the items of each part begin in the list of all items, and
-  // then the number of all items. Call it after all parts.
-  std::vector<std::size_t> Offsets() const {
-    std::vector<std::size_t> offsets{0};
-    offsets.reserve(lists.size() + 1);
-    for (const auto& list : lists) {
-      offsets.push_back(offsets.back() + list.size());
-    }
-    return offsets;
-  }
-
   std::vector<std::vector<Item>> lists;    // of the parts
   std::vector<std::vector<Item>> buffers;  // of the threads
   std::size_t room;
 };
+
+// Returns where the items of each part begin in the list of all items, and then
+// the number of all items.
+template <typename Item>
+std::vector<std::size_t> OffsetsOf(
+    const std::vector<std::vector<Item>>& lists) {
+  std::vector<std::size_t> offsets{0};
+  offsets.reserve(lists.size() + 1);
+  for (const auto& list : lists)
+    offsets.push_back(offsets.back() + list.size());
+  return offsets;
+}
 
 // Calls run(some, first, thread) for the queries of each part, of which `first`
 // is the first, without the interpreter's lock.
@@ -114,6 +115,29 @@ inline Ids RowsOf(const std::vector<std::size_t>& ends, Work& work) {
   return ids;
 }
 
+// Returns the rows and the ids, of shape (2, n). write(item, i) writes the rest
+// of an item and returns its id. The results of query i end at ends[i] of the
+// list of its part. prepare(n) runs before write().
+template <typename Item, typename Prepare, typename Write>
+Ids Gather(const std::vector<std::vector<Item>>& lists,
+           std::vector<std::size_t>& ends, std::size_t in_part, Work& work,
+           const Prepare& prepare, const Write& write) {
+  const std::vector<std::size_t> offsets = OffsetsOf(lists);
+  for (std::size_t i = 0; i < ends.size(); ++i) ends[i] += offsets[i / in_part];
+  Ids ids = RowsOf(ends, work);
+  prepare(offsets.back());
+  std::int64_t* const objects = ids.mutable_data() + offsets.back();
+  const pybind11::gil_scoped_release release;
+  work.Run(lists.size(), [&](std::size_t part, std::size_t) {
+    std::size_t i = offsets[part];
+    for (const Item& item : lists[part]) {
+      objects[i] = write(item, i);
+      ++i;
+    }
+  });
+  return ids;
+}
+
 // Returns the rows and the ids, of shape (2, n), that find(queries, ids,
 // offsets) writes for the queries of a part. It returns the number of all ids.
 template <typename Find>
@@ -132,18 +156,43 @@ Ids FindAll(const Columns& queries, std::size_t in_part, Work& work,
         });
         std::copy_n(offsets.data() + 1, some.count, ends.data() + first);
       });
-  const std::vector<std::size_t> offsets = results.Offsets();
-  for (std::size_t i = 0; i < queries.count; ++i) {
-    ends[i] += offsets[i / in_part];
-  }
-  Ids ids = RowsOf(ends, work);
-  std::int64_t* const objects = ids.mutable_data() + offsets.back();
-  const pybind11::gil_scoped_release release;
-  work.Run(results.lists.size(), [&](std::size_t part, std::size_t) {
-    const std::vector<std::uint32_t>& list = results.lists[part];
-    std::copy(list.begin(), list.end(), objects + offsets[part]);
-  });
-  return ids;
+  return Gather(
+      results.lists, ends, in_part, work, [](std::size_t) {},
+      [](std::uint32_t id, std::size_t) { return id; });
+}
+
+// An object and its distance, or the t of a hit.
+struct Found {
+  std::uint32_t id;
+  float value;
+};
+
+// Returns the rows and the ids, of shape (2, n), and the values.
+// find(some, first, list, ends) appends to the list of a part, and writes where
+// the results of each of its queries end.
+template <typename Find>
+pybind11::tuple FindLists(const Columns& queries, std::size_t in_part,
+                          Work& work, const Find& find) {
+  std::vector<std::vector<Found>> lists(PartsOf(queries.count, in_part));
+  std::vector<std::size_t> ends(queries.count);
+  ForEachPart(queries, in_part, work,
+              [&](const hs_columns& some, std::size_t first, std::size_t) {
+                find(some, first, lists[first / in_part], ends.data() + first);
+              });
+  pybind11::array_t<float> values;
+  float* to = nullptr;
+  const Ids ids = Gather(
+      lists, ends, in_part, work,
+      [&](std::size_t count) {
+        values = pybind11::array_t<float>(Size(count));
+        to = values.mutable_data();
+      },
+      [&](const Found& found, std::size_t i) {
+        to[i] = found.value;
+        return found.id;
+      });
+  work.Finish();
+  return pybind11::make_tuple(ids, values);
 }
 
 // FindAll() of the box of a plain array, in a third of the time: most of a
@@ -172,6 +221,15 @@ pybind11::object FindOfOne(const pybind11::array& array, std::size_t dims,
       1, &size, nullptr, nullptr, 0, nullptr));
   if (!ids) throw pybind11::error_already_set();
   std::copy_n(found.data(), count, ids.mutable_data());
+  return ids;
+}
+
+// An array of shape (n, 2).
+inline Ids ToArray(const std::vector<hs_id_pair>& pairs) {
+  Ids ids(std::vector<std::size_t>{pairs.size(), 2});
+  static_assert(sizeof(hs_id_pair) == 2 * sizeof(std::uint32_t));
+  std::copy_n(reinterpret_cast<const std::uint32_t*>(pairs.data()),
+              2 * pairs.size(), ids.mutable_data());
   return ids;
 }
 
@@ -228,48 +286,6 @@ pybind11::tuple FindIdsAndFloats(const Columns& queries, std::size_t each,
       found.data(), found.data() + found.size(), ids.mutable_data(),
       [](std::uint32_t id) { return id == HS_NO_ID ? -1 : std::int64_t{id}; });
   return pybind11::make_tuple(ids, floats);
-}
-
-// The ids and the distances of hs_bvh_nearest_to_points() or another such
-// function.
-template <typename Object>
-pybind11::tuple FindNearest(
-    const Object* object,
-    hs_status (*function)(const Object*, const hs_columns*, std::size_t, float,
-                          const hs_query_options*, std::uint32_t*, float*),
-    const Columns& queries, std::size_t k, float max_distance,
-    const hs_query_options& options, Work& work) {
-  // As many queries in a part as have about this number of results.
-  constexpr std::size_t kPartResults = 4096;
-  std::size_t in_part =
-      std::clamp(kPartResults / k, std::size_t{1}, kPartQueries);
-  // A search for others also finds all objects that are equal to its query.
-  if (options.exclusive != 0) in_part = std::min(in_part, std::size_t{4});
-  return FindIdsAndFloats(queries, k, in_part, work,
-                          [&](const hs_columns& some, std::size_t,
-                              std::uint32_t* ids, float* distances) {
-                            Check(function(object, &some, k, max_distance,
-                                           &options, ids, distances));
-                          });
-}
-
-// The first object of each ray, or of each sphere or box that moves, by the
-// functions of C. `ways` are the directions and the limits. Rays have them too.
-template <auto kRaycast, auto kBoxcast, auto kSpherecast, typename Object>
-pybind11::tuple FindFirst(const Object* object, std::size_t dims,
-                          const Columns& from, const Columns& ways,
-                          const hs_query_options& options, Work& work) {
-  if (from.count != ways.count) ThrowNotPrepared();
-  const auto cast = from.size == 2 * dims ? kBoxcast : kSpherecast;
-  return FindIdsAndFloats(
-      from, 1, kPartQueries, work,
-      [&](const hs_columns& some, std::size_t first, std::uint32_t* ids,
-          float* ts) {
-        const hs_columns its_ways = ways.Rows(first, kPartQueries);
-        Check(from.size == 2 * dims + 1
-                  ? kRaycast(object, &some, 0, &options, ids, ts)
-                  : cast(object, &some, &its_ways, &options, ids, ts));
-      });
 }
 
 }  // namespace halfspace::python

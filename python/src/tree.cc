@@ -15,6 +15,7 @@
 
 #include "columns.h"
 #include "results.h"
+#include "searches.h"
 #include "work.h"
 
 namespace py = pybind11;
@@ -27,12 +28,113 @@ constexpr std::size_t kPartLeaves = 16;
 
 using Bvh = std::unique_ptr<hs_bvh, Destroy<&hs_bvh_destroy>>;
 
+void ReadRow(const hs_columns& columns, std::size_t i, std::size_t size,
+             double* row) {
+  for (std::size_t v = 0; v < size; ++v) {
+    const std::size_t at = i * columns.stride;
+    row[v] = columns.type == HS_FLOAT64
+                 ? static_cast<const double*>(columns.column[v])[at]
+                 : static_cast<const float*>(columns.column[v])[at];
+  }
+}
+
+template <std::size_t kDims>
+bool AreNear(const double* a, const double* b, double margin) {
+  bool are_near = true;
+  for (std::size_t k = 0; k < kDims; ++k) {
+    are_near &= a[k] <= b[kDims + k] + margin && b[k] <= a[kDims + k] + margin;
+  }
+  return are_near;
+}
+
+// Boxes of kDims axes by id. An altered blob has any ids.
+template <std::size_t kDims>
+struct Rows {
+  explicit Rows(std::span<const double> its_values) : values(its_values) {}
+
+  const double* Find(std::uint32_t id) const {
+    const std::size_t first = 2 * kDims * id;
+    return first < values.size() ? values.data() + first : nullptr;
+  }
+  // Without it, most of the time is spent waiting for memory.
+  void Prefetch([[maybe_unused]] std::uint32_t id) const {
+#if defined(__GNUC__)
+    const double* const row = Find(id);
+    if (row == nullptr) return;
+    __builtin_prefetch(row);
+    __builtin_prefetch(row + 2 * kDims - 1);
+#endif
+  }
+
+  std::span<const double> values;
+};
+constexpr std::size_t kAhead = 16;
+
+// Removes the pairs whose boxes are farther apart than the margin. Returns how
+// many are left.
+template <std::size_t kDims>
+std::size_t KeepNear(std::span<const double> of_a, std::span<const double> of_b,
+                     double margin, std::span<hs_id_pair> pairs) {
+  const Rows<kDims> a(of_a);
+  const Rows<kDims> b(of_b);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (i + kAhead < pairs.size()) {
+      a.Prefetch(pairs[i + kAhead].a);
+      b.Prefetch(pairs[i + kAhead].b);
+    }
+    const double* const one = a.Find(pairs[i].a);
+    const double* const other = b.Find(pairs[i].b);
+    pairs[kept] = pairs[i];
+    kept +=
+        one != nullptr && other != nullptr && AreNear<kDims>(one, other, margin)
+            ? 1
+            : 0;
+  }
+  return kept;
+}
+std::size_t KeepNear(std::size_t dims, std::span<const double> a,
+                     std::span<const double> b, double margin,
+                     std::span<hs_id_pair> pairs) {
+  return dims == 2 ? KeepNear<2>(a, b, margin, pairs)
+                   : KeepNear<3>(a, b, margin, pairs);
+}
+
+// Removes the results of queries that do not overlap. offsets[q + 1] is where
+// those of query q end.
+template <std::size_t kDims>
+std::size_t KeepResults(std::span<const double> objects,
+                        const hs_columns& queries, std::span<std::uint32_t> ids,
+                        std::size_t* offsets) {
+  const Rows<kDims> rows(objects);
+  std::size_t kept = 0;
+  for (std::size_t q = 0, i = 0; q < queries.count; ++q) {
+    std::array<double, 2 * kDims> box;
+    ReadRow(queries, q, 2 * kDims, box.data());
+    for (const std::size_t end = offsets[q + 1]; i < end; ++i) {
+      if (i + kAhead < ids.size()) rows.Prefetch(ids[i + kAhead]);
+      const double* const row = rows.Find(ids[i]);
+      ids[kept] = ids[i];
+      kept += row != nullptr && AreNear<kDims>(row, box.data(), 0) ? 1 : 0;
+    }
+    offsets[q + 1] = kept;
+  }
+  return kept;
+}
+
 // Calls run without the interpreter's lock, so another thread can call the same
 // object. Its members are read and written with the lock.
+struct TreeReading;
 struct Tree {
+  using Functions = BvhFunctions;
+  using Reading = TreeReading;
+  static constexpr std::size_t kPart = kPartQueries;
+
   py::object blob;  // the bytes, if they are in place
   Bvh bvh;
   std::size_t dims = 3;
+  bool is_exact = false;               // `doubles` decide
+  std::vector<double> doubles;         // the boxes by id, one after another
   std::vector<unsigned long> readers;  // the threads of calls that read now
   unsigned long changer = 0;           // the thread of the call that changes it
   unsigned long owner = 0;             // the thread that called Own()
@@ -41,6 +143,36 @@ struct Tree {
   std::size_t exports = 0;             // blobs that Python objects refer to
   bool is_half_refitted = false;       // an exception ended Refit()
   std::size_t changes = 0;             // so far
+
+  hs_bvh* get() const { return bvh.get(); }
+  static hs_columns QueryOf(const hs_columns& box, float* /*unused*/) {
+    return box;
+  }
+
+  // Removes the results that do not overlap as doubles.
+  std::size_t Keep(const hs_columns& queries, std::span<std::uint32_t> ids,
+                   std::size_t* offsets) const {
+    std::array<std::size_t, 2> of_one{0, ids.size()};
+    if (offsets == nullptr) offsets = of_one.data();
+    return dims == 2 ? KeepResults<2>(doubles, queries, ids, offsets)
+                     : KeepResults<3>(doubles, queries, ids, offsets);
+  }
+  void KeepPairs(float margin, std::vector<hs_id_pair>& pairs) const {
+    pairs.resize(KeepNear(dims, doubles, doubles, margin, pairs));
+  }
+
+  // Makes room for ids below the limit. What has room does not throw.
+  void Grow(std::size_t limit) {
+    if (!is_exact || doubles.size() >= 2 * dims * limit) return;
+    doubles.resize(2 * dims * limit);
+  }
+  // Stores the boxes of some objects, or without ids of all.
+  void Store(const std::uint32_t* ids, const hs_columns& boxes) {
+    for (std::size_t i = 0; i < boxes.count && is_exact; ++i) {
+      const std::size_t id = ids == nullptr ? i : ids[i];
+      ReadRow(boxes, i, 2 * dims, doubles.data() + 2 * dims * id);
+    }
+  }
 
   bool IsReadBy(unsigned long thread) const {
     return std::find(readers.begin(), readers.end(), thread) != readers.end();
@@ -103,8 +235,8 @@ void CheckRefitted(const Tree& tree) {
 
 // Exists while a call reads a tree. The constructor waits for the owner, and
 // throws if another call changes the tree.
-struct Reading {
-  explicit Reading(Tree& its_tree, bool is_refit = false) : tree(its_tree) {
+struct TreeReading {
+  explicit TreeReading(Tree& its_tree, bool is_refit = false) : tree(its_tree) {
     WaitUntilOpen(tree);
     if (tree.changer != 0) {
       throw std::runtime_error(
@@ -113,8 +245,8 @@ struct Reading {
     if (!is_refit) CheckRefitted(tree);
     tree.readers.push_back(thread);
   }
-  Reading(const Reading&) = delete;
-  ~Reading() {
+  TreeReading(const TreeReading&) = delete;
+  ~TreeReading() {
     // Those of one thread are equal.
     *std::find(tree.readers.begin(), tree.readers.end(), thread) =
         tree.readers.back();
@@ -125,6 +257,7 @@ struct Reading {
   Tree& tree;
   unsigned long thread = PyThread_get_thread_ident();
 };
+using Reading = TreeReading;
 
 void Disown(Tree& tree) {
   if (--tree.owned != 0) return;
@@ -188,7 +321,7 @@ template <hs_status (*kSize)(const hs_bvh*, std::size_t*)>
 std::size_t Ask(Tree& tree) {
   const Reading reading(tree, /*is_refit=*/true);
   std::size_t size = 0;
-  Check(kSize(tree.bvh.get(), &size));
+  Check(kSize(tree.get(), &size));
   return size;
 }
 
@@ -215,13 +348,17 @@ Bvh Build(const Columns& boxes, bool is_fast, Work& work,
 }
 
 std::unique_ptr<Tree> MakeTree(const py::tuple& arrays, bool is_fast,
-                               std::size_t threads, py::object progress) {
+                               bool is_exact, std::size_t threads,
+                               py::object progress) {
   const Columns boxes(arrays);
   Work work(threads, std::move(progress));
   auto tree = std::make_unique<Tree>();
   tree->dims = boxes.size == 4 ? 2 : 3;
   const py::gil_scoped_release release;
   tree->bvh = Build(boxes, is_fast, work, boxes.count);
+  tree->is_exact = is_exact;
+  tree->Grow(boxes.count);
+  tree->Store(nullptr, boxes);
   // A BVH that never had an object has an empty blob, from which nobody could
   // tell its dimensions. One with room has a header.
   if (boxes.count == 0) Check(hs_bvh_reserve(tree->bvh.get(), 1));
@@ -271,7 +408,7 @@ py::array BlobOf(const py::object& object) {
   std::size_t size = 0;
   {
     const py::gil_scoped_release release;
-    Check(hs_bvh_blob(tree.bvh.get(), &data, &size));
+    Check(hs_bvh_blob(tree.get(), &data, &size));
   }
   const py::capsule owner(new py::object(object), [](void* of) {
     const std::unique_ptr<py::object> its(static_cast<py::object*>(of));
@@ -285,8 +422,12 @@ py::array BlobOf(const py::object& object) {
 }
 
 // Finds the pairs of a tree, and of `b` or of itself if this is null, by part.
-// Call it without the interpreter's lock.
-Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b, Work& work) {
+// keep(pairs) removes some and returns how many are left. Call it without the
+// interpreter's lock.
+template <typename Keep>
+Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b,
+                              hs_pair_options options, Work& work,
+                              const Keep& keep) {
   std::size_t leaves = 0;
   Check(hs_bvh_pair_parts(a, &leaves));
   const std::size_t parts = PartsOf(leaves, kPartLeaves);
@@ -295,29 +436,49 @@ Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b, Work& work) {
   work.SetStage(0, size, size);
   Results<hs_id_pair> results(parts, work.threads(), 4096);
   work.Run(parts, [&](std::size_t part, std::size_t thread) {
-    hs_pair_options options = DefaultOf(&hs_pair_options_default);
-    options.begin = part * kPartLeaves;
-    options.end = options.begin + kPartLeaves;
+    hs_pair_options its = options;
+    its.begin = part * kPartLeaves;
+    its.end = its.begin + kPartLeaves;
     results.Add(part, thread, [&](std::span<hs_id_pair> pairs) {
       std::size_t total = 0;
       Check(b == nullptr
-                ? hs_bvh_pairs(a, &options, pairs.data(), pairs.size(), &total)
-                : hs_bvh_join(a, b, &options, pairs.data(), pairs.size(),
-                              &total));
-      return total;
+                ? hs_bvh_pairs(a, &its, pairs.data(), pairs.size(), &total)
+                : hs_bvh_join(a, b, &its, pairs.data(), pairs.size(), &total));
+      return total > pairs.size() ? total : keep(pairs.first(total));
     });
   });
   return results;
 }
 
+// keep() of FindPairs(): those of `a` and `b`, which are the boxes by id, or
+// all if they are empty.
+auto KeeperOf(std::span<const double> a, std::span<const double> b,
+              std::size_t dims, double margin) {
+  return [=](std::span<hs_id_pair> pairs) {
+    return a.empty() || b.empty() ? pairs.size()
+                                  : KeepNear(dims, a, b, margin, pairs);
+  };
+}
+
 // Sorts the queries into a tree of their own and joins the trees: queries that
 // are near each other share what they read. Then sorts the pairs by row.
-Ids QueryByJoin(const Tree& tree, const Columns& boxes, Work& work) {
+Ids QueryByJoin(Tree& tree, const py::tuple& arrays, std::uint32_t mask,
+                std::size_t threads, py::object progress) {
+  const Columns boxes(arrays);
+  hs_pair_options options = DefaultOf(&hs_pair_options_default);
+  options.mask = mask;
+  Work work(threads, std::move(progress));
+  const Reading reading(tree);
   const auto results = [&] {
     const py::gil_scoped_release release;
     const Bvh queries = Build(boxes, /*is_fast=*/true, work,
                               /*progress_end=*/0);
-    return FindPairs(queries.get(), tree.bvh.get(), work);
+    std::vector<double> rows(tree.is_exact ? 2 * tree.dims * boxes.count : 0);
+    for (std::size_t i = 0; i < boxes.count && tree.is_exact; ++i) {
+      ReadRow(boxes, i, 2 * tree.dims, &rows[2 * tree.dims * i]);
+    }
+    return FindPairs(queries.get(), tree.get(), options, work,
+                     KeeperOf(rows, tree.doubles, tree.dims, 0));
   }();
   const std::size_t parts = results.lists.size();
   std::vector<std::size_t> ends(boxes.count);
@@ -338,111 +499,69 @@ Ids QueryByJoin(const Tree& tree, const Columns& boxes, Work& work) {
       objects[--ends[pair.a]] = pair.b;
     }
   });
-  return ids;
-}
-
-// Queries of boxes, of spheres, or of boxes with a distance.
-Ids Query(Tree& tree, const py::tuple& arrays, bool by_join,
-          std::size_t threads, py::object progress) {
-  const Columns queries(arrays);
-  hs_query_options options = DefaultOf(&hs_query_options_default);
-  if (queries.size == tree.dims + 1) options.shape = HS_SHAPE_SPHERE;
-  if (queries.size == 2 * tree.dims + 1) options.shape = HS_SHAPE_ROUNDED_BOX;
-  Work work(threads, std::move(progress));
-  const Reading reading(tree);
-  Ids ids = by_join
-                ? QueryByJoin(tree, queries, work)
-                : FindAll(queries, kPartQueries, work,
-                          FinderOf(tree.bvh.get(), &hs_bvh_query, &options));
   work.Finish();
   return ids;
 }
 
-py::object QueryOne(Tree& tree, const py::array& array) {
-  const Reading reading(tree);
-  return FindOfOne(array, tree.dims, FinderOf(tree.bvh.get(), &hs_bvh_query));
-}
-
-// Returns an array with at most `limit` ids of one query, after the first
-// `skip`, and the number of all ids.
-py::tuple QuerySome(Tree& tree, const py::tuple& arrays, std::size_t skip,
-                    std::size_t limit) {
+// Returns an array with the ids of one query, the first `skip` not and at most
+// `limit`, and the number of all ids. Of these, some are removed if the tree is
+// exact.
+py::tuple QuerySome(Tree& tree, const py::tuple& arrays, std::uint32_t mask,
+                    std::size_t skip, std::size_t limit) {
   const Columns boxes(arrays);
-  hs_query_options options = DefaultOf(&hs_query_options_default);
+  hs_query_options options = Searches<Tree>::OptionsOf(mask);
   options.skip = skip;
   ShortIds ids(Size(limit));
   std::uint32_t* const to = ids.mutable_data();
   std::size_t total = 0;
+  std::size_t count = 0;
   {
     const Reading reading(tree);
     const py::gil_scoped_release release;
-    Check(hs_bvh_query(tree.bvh.get(), &boxes, &options, to, limit, nullptr,
-                       &total));
+    Check(
+        hs_bvh_query(tree.get(), &boxes, &options, to, limit, nullptr, &total));
+    count = std::min(limit, total - std::min(skip, total));
+    if (tree.is_exact) count = tree.Keep(boxes, {to, count}, nullptr);
   }
+  ids.resize({Size(count)});
   return py::make_tuple(ids, total);
 }
 
-// hs_bvh_count() or hs_bvh_any().
-template <auto kFunction>
-py::array AskAll(Tree& tree, const py::tuple& arrays, std::size_t threads,
-                 py::object progress) {
-  const Columns boxes(arrays);
-  Work work(threads, std::move(progress));
-  const Reading reading(tree);
-  return AskEach(tree.bvh.get(), kFunction, boxes, kPartQueries, work);
-}
-
-// The same of the box of a plain array, as QueryOne().
-template <auto kFunction, typename Value>
-py::object AskOne(Tree& tree, const py::array& array) {
-  const hs_columns box = BoxIn(array, tree.dims);
-  if (box.count == 0) return py::none();
-  Value value = 0;
-  const Reading reading(tree);
-  {
-    const py::gil_scoped_release release;
-    Check(kFunction(tree.bvh.get(), &box, nullptr, &value));
-  }
-  return py::int_(value);
-}
-
-py::tuple Nearest(Tree& tree, const py::tuple& arrays, std::size_t k,
-                  float max_distance, bool is_exclusive, std::size_t threads,
-                  py::object progress) {
-  const Columns queries(arrays);
-  const bool are_points = queries.size == tree.dims;
-  const auto nearest =
-      are_points ? &hs_bvh_nearest_to_points : &hs_bvh_nearest_to_boxes;
-  hs_query_options options = DefaultOf(&hs_query_options_default);
-  options.exclusive = is_exclusive ? 1 : 0;
-  Work work(threads, std::move(progress));
-  const Reading reading(tree);
-  return FindNearest(tree.bvh.get(), nearest, queries, k, max_distance, options,
-                     work);
-}
-
-py::tuple Cast(Tree& tree, const py::tuple& starts, const py::tuple& motions,
-               std::size_t threads, py::object progress) {
-  Work work(threads, std::move(progress));
-  const Reading reading(tree);
-  return FindFirst<&hs_bvh_raycast, &hs_bvh_boxcast, &hs_bvh_spherecast>(
-      tree.bvh.get(), tree.dims, Columns(starts), Columns(motions),
-      DefaultOf(&hs_query_options_default), work);
+// The boxes of a tree of floats as doubles, in the order of Tree::doubles.
+std::vector<double> DoublesOf(const Tree& tree) {
+  std::size_t count = 0;
+  Check(hs_bvh_id_limit(tree.get(), &count));
+  std::vector<float> floats(2 * tree.dims * count);
+  Check(hs_bvh_get_all(tree.get(), floats.data(), count));
+  return {floats.begin(), floats.end()};
 }
 
 // The pairs of a tree and of `b`, or of itself if this is null, in an array of
 // shape (2, n). Those of one tree have i < j.
-Ids PairsOf(Tree& tree, Tree* b, std::size_t threads, py::object progress) {
+Ids PairsOf(Tree& tree, Tree* b, float margin, std::uint32_t mask,
+            std::size_t threads, py::object progress) {
+  hs_pair_options options = DefaultOf(&hs_pair_options_default);
+  options.margin = margin;
+  options.mask = mask;
   Work work(threads, std::move(progress));
   const auto results = [&] {
-    WaitUntilOpen(tree, b == nullptr ? tree : *b);
+    Tree& other = b == nullptr ? tree : *b;
+    WaitUntilOpen(tree, other);
     const Reading reading(tree);
-    const Reading reading_b(b == nullptr ? tree : *b);
+    const Reading reading_b(other);
     const py::gil_scoped_release release;
-    return FindPairs(tree.bvh.get(), b == nullptr ? nullptr : b->bvh.get(),
-                     work);
+    // A tree of floats has no doubles.
+    std::vector<double> made;
+    std::span<const double> of_a = tree.doubles;
+    std::span<const double> of_b = other.doubles;
+    if (tree.is_exact != other.is_exact) {
+      made = DoublesOf(tree.is_exact ? other : tree);
+      (tree.is_exact ? of_b : of_a) = made;
+    }
+    return FindPairs(tree.get(), b == nullptr ? nullptr : b->get(), options,
+                     work, KeeperOf(of_a, of_b, tree.dims, margin));
   }();
-  const std::vector<std::size_t> offsets = results.Offsets();
+  const std::vector<std::size_t> offsets = OffsetsOf(results.lists);
   const std::size_t found = offsets.back();
   Ids ids(std::vector<std::size_t>{2, found});
   std::int64_t* const to = ids.mutable_data();
@@ -465,13 +584,19 @@ ShortIds Insert(Tree& tree, const py::tuple& arrays) {
   const Columns boxes(arrays);
   ShortIds ids(Size(boxes.count));
   std::uint32_t* const to = ids.mutable_data();
-  Change(tree, [&] { Check(hs_bvh_insert(tree.bvh.get(), &boxes, to)); });
+  Change(tree, [&] {
+    std::size_t limit = 0;
+    Check(hs_bvh_id_limit(tree.get(), &limit));
+    tree.Grow(limit + boxes.count);
+    Check(hs_bvh_insert(tree.get(), &boxes, to));
+    tree.Store(to, boxes);
+  });
   return ids;
 }
 
 void Erase(Tree& tree, const ShortIds& ids) {
   Change(tree, [&] {
-    Check(hs_bvh_erase(tree.bvh.get(), ids.data(),
+    Check(hs_bvh_erase(tree.get(), ids.data(),
                        static_cast<std::size_t>(ids.size())));
   });
 }
@@ -486,7 +611,9 @@ void Refit(Tree& tree, const py::tuple& arrays, std::size_t threads,
   const auto refit = [&] {
     tree.is_half_refitted = true;
     its_threads.Check(
-        hs_bvh_refit(tree.bvh.get(), &boxes, &Threads::Run, &its_threads));
+        hs_bvh_refit(tree.get(), &boxes, &Threads::Run, &its_threads));
+    tree.Grow(boxes.count);
+    tree.Store(nullptr, boxes);
     tree.is_half_refitted = false;
     work.Finish();
   };
@@ -498,13 +625,61 @@ template <auto kFunction>
 void SetSome(Tree& tree, const py::tuple& arrays, const ShortIds& ids) {
   const Columns boxes(arrays);
   if (Size(boxes.count) != ids.size()) ThrowNotPrepared();
-  Change(tree, [&] { Check(kFunction(tree.bvh.get(), ids.data(), &boxes)); });
+  const std::uint32_t* const first = ids.data();
+  Change(tree, [&] {
+    if (boxes.count > 0 && kFunction == &hs_bvh_insert_as) {
+      tree.Grow(std::size_t{*std::max_element(first, first + boxes.count)} + 1);
+    }
+    Check(kFunction(tree.get(), first, &boxes));
+    tree.Store(first, boxes);
+  });
+}
+
+// Of some objects, or of all if there are no ids.
+void SetMasks(Tree& tree, const ShortIds& ids, const ShortIds& masks) {
+  const auto count = static_cast<std::size_t>(masks.size());
+  if (ids.size() != 0 && ids.size() != masks.size()) ThrowNotPrepared();
+  Change(tree, [&] {
+    Check(ids.size() != 0
+              ? hs_bvh_set_masks(tree.get(), ids.data(), masks.data(), count)
+              : hs_bvh_set_all_masks(tree.get(), masks.data(), count));
+  });
+}
+
+void Rebuild(Tree& tree, bool is_fast, std::size_t threads) {
+  Work work(threads, py::none());
+  Threads its_threads{work, 9, 0, 0};
+  hs_bvh_config config = ConfigOf(tree.dims);
+  config.quality = is_fast ? HS_QUALITY_FAST : HS_QUALITY_HIGH;
+  config.run = &Threads::Run;
+  config.run_context = &its_threads;
+  Change(tree, [&] { its_threads.Check(hs_bvh_rebuild(tree.get(), &config)); });
+}
+
+double CostRatio(Tree& tree) {
+  const Reading reading(tree);
+  double ratio = 0;
+  Check(hs_bvh_cost_ratio(tree.get(), &ratio));
+  return ratio;
+}
+
+py::array_t<double> Doubles(Tree& tree) {
+  const Reading reading(tree);
+  return py::array_t<double>(Size(tree.doubles.size()), tree.doubles.data());
+}
+
+// The doubles of a tree that is read from its blob.
+void SetDoubles(Tree& tree, const py::array_t<double>& doubles) {
+  Change(tree, [&] {
+    tree.is_exact = true;
+    tree.doubles.assign(doubles.data(), doubles.data() + doubles.size());
+  });
 }
 
 py::array_t<float> BoundsOf(Tree& tree) {
   const Reading reading(tree);
   py::array_t<float> values(Size(2 * tree.dims));
-  Check(hs_bvh_bounds(tree.bvh.get(), values.mutable_data()));
+  Check(hs_bvh_bounds(tree.get(), values.mutable_data()));
   return values;
 }
 
@@ -512,44 +687,46 @@ py::array_t<float> BoundsOf(Tree& tree) {
 py::array_t<float> Boxes(Tree& tree) {
   const Reading reading(tree);
   std::size_t count = 0;
-  Check(hs_bvh_id_limit(tree.bvh.get(), &count));
+  Check(hs_bvh_id_limit(tree.get(), &count));
   py::array_t<float> values(std::vector<std::size_t>{count, 2 * tree.dims});
   float* const to = values.mutable_data();
   const py::gil_scoped_release release;
-  Check(hs_bvh_get_all(tree.bvh.get(), to, count));
+  Check(hs_bvh_get_all(tree.get(), to, count));
   return values;
 }
 
 }  // namespace
 
 void DefineTree(py::module_& module) {
-  py::class_<Tree>(module, "Tree")
-      .def(py::init(&MakeTree))
+  py::class_<Tree> of(module, "Tree");
+  Searches<Tree>::Define(of);
+  of.def(py::init(&MakeTree))
       .def_static("from_blob", &FromBlob)
-      .def("query", &Query)
-      .def("query_one", &QueryOne)
+      .def("query_by_join", &QueryByJoin)
       .def("query_some", &QuerySome)
       .def("blob", &BlobOf)
-      .def("count", &AskAll<&hs_bvh_count>)
-      .def("count_one", &AskOne<&hs_bvh_count, std::size_t>)
-      .def("any", &AskAll<&hs_bvh_any>)
-      .def("any_one", &AskOne<&hs_bvh_any, std::uint32_t>)
-      .def("nearest", &Nearest)
-      .def("cast", &Cast)
       .def("pairs", &PairsOf)
       .def("insert", &Insert)
       .def("insert_as", &SetSome<&hs_bvh_insert_as>)
       .def("erase", &Erase)
       .def("refit", &Refit)
       .def("refit_some", &SetSome<&hs_bvh_set>)
+      .def("set_masks", &SetMasks)
+      .def("rebuild", &Rebuild)
+      .def("cost_ratio", &CostRatio)
       .def("own", &Own)
       .def("disown", &Disown)
       .def("bounds", &BoundsOf)
       .def("boxes", &Boxes)
+      .def("doubles", &Doubles)
+      .def("set_doubles", &SetDoubles)
       .def("size", &Ask<&hs_bvh_size>)
       .def("id_limit", &Ask<&hs_bvh_id_limit>)
       .def("nbytes", &Ask<&hs_bvh_bytes>)
-      .def_readonly("dims", &Tree::dims)
+      .def_property_readonly("nbytes_of_doubles",
+                             [](const Tree& tree) {
+                               return tree.doubles.capacity() * sizeof(double);
+                             })
       .def_readonly("changes", &Tree::changes);
 }
 

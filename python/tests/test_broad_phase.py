@@ -147,31 +147,6 @@ def test_a_history(rng, dims, kind):
     check()
 
 
-def test_spheres(rng, dims):
-    boxes = random_boxes(rng, 1000, dims)
-    bodies = hs.BroadPhase(dims)
-    bodies.insert(np.arange(1000), boxes, categories=1)
-    centers = rng.random((300, dims))
-    radii = 0.2 * rng.random(300)
-    gaps = np.clip(centers[:, None], boxes[:, :dims], boxes[:, dims:]) - centers[:, None]
-    distances = np.linalg.norm(gaps, axis=2)
-    found = as_matrix(bodies.query_sphere(centers, radii), distances.shape)
-    assert found[distances <= radii[:, None]].all()
-    assert not found[distances > 1.0001 * radii[:, None] + 1e-5].any()
-    assert sorted(bodies.query_sphere(centers[0], radii[0])) == np.flatnonzero(
-        found[0]
-    ).tolist()
-    assert len(bodies.query_sphere(centers[0], 2, mask=2)) == 0
-
-
-def test_spheres_of_doubles_are_enclosed():
-    bodies = hs.BroadPhase(2)
-    bodies.insert(0, [0, 0, 1, 1])
-    assert bodies.query_sphere([3 - 1e-9, 0.5], 2.0).tolist() == [0]
-    assert bodies.query_sphere([1e300, 0.5], 2.0).tolist() == [0]
-    assert bodies.query_sphere([3.001, 0.5], 2.0).tolist() == []
-
-
 def test_casts_of_boxes(rng, dims):
     """The first t is that of the slabs: about, and never after it."""
     boxes = random_boxes(rng, 300, dims, 0.1)

@@ -176,7 +176,7 @@ def test_nearest_of_few():
 
 def test_nearest_exclusive(rng, dims):
     points = rng.random((300, dims))
-    points[7] = points[8] = points[9]
+    points[7:207:2] = points[7]
     tree = hs.BVH(np.concatenate([points, points], axis=1))
     ids, distances = tree.nearest(points, k=4, exclusive=True)
     exact = np.sqrt(((points[:, None] - points[None]) ** 2).sum(axis=2))
@@ -185,20 +185,84 @@ def test_nearest_exclusive(rng, dims):
     assert np.allclose(distances, np.take_along_axis(exact, ids, 1), 1e-5, 1e-6)
 
 
-def test_raycast(rng, dims, boxes):
-    origins = (2 * rng.random((400, dims)) - 0.5).astype(np.float32)
-    directions = (rng.random((400, dims)) - 0.5).astype(np.float32)
-    ids, t = hs.BVH(boxes).raycast(origins, directions, 2)
-    with np.errstate(invalid="ignore"):
-        a = (boxes[None, :, :dims].astype(float) - origins[:, None]) / directions[:, None]
-        b = (boxes[None, :, dims:].astype(float) - origins[:, None]) / directions[:, None]
+def far_and_huge(dims):
+    """Boxes on a grid, many of them equal, and empty, infinite and huge ones."""
+    corners = np.random.default_rng(5).integers(0, 6, (2000, dims)).astype(float)
+    boxes = np.hstack([corners, corners + 1])
+    inf = [np.inf] * dims
+    boxes[:4] = [inf + [-np.inf] * dims, [-1e30] * dims + [-9e29] * dims,
+                 [9e38] * 2 * dims, [50] * dims + inf]
+    return boxes
+
+
+@pytest.mark.parametrize("kind", [hs.BVH, hs.BroadPhase])
+@pytest.mark.parametrize("k", [1, 5])
+@pytest.mark.parametrize("exclusive", [False, True])
+def test_all_ties(rng, dims, kind, k, exclusive):
+    boxes = far_and_huge(dims)
+    tree = tree_of(kind, boxes)
+    points = np.vstack([rng.integers(-2, 9, (60, dims)), [[80] * dims], [[1e25] * dims]])
+    queries = np.hstack([points, points + 1.0])
+    queries[-1] = [np.inf] * dims + [-np.inf] * dims
+    for given in (points, queries):
+        (rows, ids), distances = tree.nearest(
+            given, k, max_distance=2, all_ties=True, exclusive=exclusive
+        )
+        exact = distances_of(np.float32(given), np.float32(boxes).clip(-1e38, np.inf))
+        exact[np.isnan(exact) | (exact > 2)] = np.inf
+        if exclusive:
+            its = np.hstack([given, given]) if given is points else given
+            exact[(its[:, None] == boxes[None]).all(axis=2)] = np.inf
+        last = np.sort(exact, axis=1)[:, k - 1, None]
+        expected = np.isfinite(exact) & (exact <= last)
+        assert (as_matrix(np.stack([rows, ids]), expected.shape) == expected).all()
+        assert (distances == np.float32(exact[rows, ids])).all()
+        assert (np.diff(rows) >= 0).all() and len(ids) > 1000
+        one, of_one = tree.nearest(
+            given[3], k, max_distance=2, all_ties=True, exclusive=exclusive
+        )
+        assert (one == ids[rows == 3]).all() and (of_one == distances[rows == 3]).all()
+    assert tree.nearest(points[:0], all_ties=True)[0].shape == (2, 0)
+
+
+def tree_of(kind, boxes):
+    if kind is hs.BVH:
+        return hs.BVH(boxes)
+    bodies = hs.BroadPhase(boxes.shape[1] // 2)
+    bodies.insert(np.arange(len(boxes)), boxes)
+    return bodies
+
+
+@pytest.mark.parametrize("kind", [hs.BVH, hs.BroadPhase])
+def test_all_hits(rng, dims, kind):
+    """Compared with the slabs, by rays that meet no edge."""
+    boxes = far_and_huge(dims)
+    tree = tree_of(kind, boxes)
+    origins = rng.random((700, dims)) * 8 - 1
+    ways = rng.random((700, dims)) - 0.5
+    with np.errstate(invalid="ignore", over="ignore"):
+        a, b = ((boxes[None, :, c] - origins[:, None]) / ways[:, None]
+                for c in (slice(dims), slice(dims, None)))
     enter = np.minimum(a, b).max(axis=2).clip(0)
-    leave = np.maximum(a, b).min(axis=2).clip(None, 2)
-    exact = np.where(enter <= leave, enter, np.inf).min(axis=1)
-    hit = ids >= 0
-    assert 0 < hit.sum() < 400
-    assert (hit == np.isfinite(exact)).all()
-    assert np.allclose(t[hit], exact[hit], 1e-4, 1e-6) and np.isinf(t[~hit]).all()
+    expected = enter <= np.maximum(a, b).min(axis=2).clip(None, 9)
+    expected[:, 0] = False  # empty
+    for threads in (1, 2):
+        (rows, ids), t = tree.raycast(origins, ways, 9, all_hits=True, threads=threads)
+        assert (as_matrix(np.stack([rows, ids]), expected.shape) == expected).mean() > 0.9999
+        assert np.allclose(t, enter[rows, ids], 1e-4, 1e-4)
+        assert (np.lexsort((ids, t, rows)) == np.arange(len(t))).all()
+    first, its_t = tree.raycast(origins, ways, 9)
+    begins = np.flatnonzero(np.diff(rows, prepend=-1))
+    assert (first[rows[begins]] == ids[begins]).all() and (its_t[rows[begins]] == t[begins]).all()
+    assert (first >= 0).sum() == len(begins)
+    one, of_one = tree.raycast(origins[5], ways[5], 9, all_hits=True)
+    assert (one == ids[rows == 5]).all() and (of_one == t[rows == 5]).all()
+    flat = np.float32(np.hstack([origins, origins]))
+    by_box = tree.boxcast(flat, ways, 9, all_hits=True)
+    by_sphere = tree.spherecast(origins, 0, ways, 9, all_hits=True)
+    for found in (by_box, by_sphere):
+        assert (as_matrix(found[0], expected.shape) != expected).sum() < 20
+    assert tree.raycast(origins[:0], ways[:0], all_hits=True)[0].shape == (2, 0)
 
 
 def test_one_ray():
@@ -329,14 +393,14 @@ def gaps_between(queries, boxes):
 
 
 # Those that are in doubt as floats are left out of the comparison.
+@pytest.mark.parametrize("kind", [hs.BVH, hs.BroadPhase])
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 @pytest.mark.parametrize("each", [False, True])
-def test_what_is_within_a_distance(boxes, queries, dtype, each):
-    tree = hs.BVH(boxes)
+def test_what_is_within_a_distance(boxes, queries, kind, dtype, each):
+    tree = tree_of(kind, boxes)
     within = np.linspace(0, 0.3, len(queries)) if each else 0.07
     limits = np.broadcast_to(within, len(queries))[:, np.newaxis]
-    d = tree.dims
-    centers = queries[:, :d]
+    centers = queries[:, : tree.dims]
 
     def check(found, distances):
         matrix = as_matrix(found, distances.shape)
@@ -352,11 +416,76 @@ def test_what_is_within_a_distance(boxes, queries, dtype, each):
     assert sorted(tree.query_sphere(centers[3], 0.0)) == sorted(tree.query(points[3]))
 
 
-def test_distances_of_doubles_are_rounded_outward():
-    tree = hs.BVH([[0, 0, 1, 1]])
+@pytest.mark.parametrize("kind", [hs.BVH, hs.BroadPhase])
+def test_distances_of_doubles_are_rounded_outward(kind):
+    tree = tree_of(kind, np.array([[0, 0, 1, 1]]))
     just_above = np.nextafter(1.25, 2)
     box = np.array([just_above, 0, 2, 1])
     assert tree.query(box, within=just_above - 1).tolist() == [0]
     assert tree.query(box, within=0.25).tolist() == [0]
     assert tree.query(box, within=0.2499).tolist() == []
     assert tree.query_sphere([just_above, 0.5], 0.25).tolist() == [0]
+    assert tree.query_sphere([1e300, 0.5], 2.0).tolist() == [0]
+    assert tree.query_sphere([3.001, 0.5], 2.0).tolist() == []
+
+
+def test_masks_margins_and_order(rng, dims, boxes, queries):
+    masks = (1 << rng.integers(0, 4, len(boxes))).astype(np.uint32)
+    tree, other = hs.BVH(boxes), hs.BVH(queries)
+    tree.set_masks(masks)
+    expected = overlaps(queries, boxes) & ((masks & 6) != 0)
+    assert (as_matrix(tree.query(queries, mask=6), expected.shape) == expected).all()
+    assert (tree.count(queries, mask=6) == expected.sum(axis=1)).all()
+    assert (tree.any(queries, mask=6) == expected.any(axis=1)).all()
+    for one, row in zip(queries[:20], expected):
+        assert sorted(tree.query(one, mask=6)) == np.flatnonzero(row).tolist()
+        assert tree.count(one, mask=6) == row.sum() and tree.any(one, mask=6) == row.any()
+    many = np.vstack([queries] * 4)
+    assert tree.query(many, mask=6).shape[1] == 4 * expected.sum()
+    batches = np.hstack(list(tree.query_batches(queries, 50, mask=6)))
+    assert (as_matrix(batches, expected.shape) == expected).all()
+    ids, _ = tree.nearest(queries, 2, mask=8)
+    assert (masks[ids] == 8).all()
+    assert set(masks[tree.query_sphere([0.5] * dims, 0.4, mask=8)]) == {8}
+    ids, _ = tree.raycast(queries[:, :dims], [1] * dims, mask=8)
+    assert (masks[ids[ids >= 0]] == 8).all() and (ids >= 0).any()
+
+    margin = 0.1  # no float32
+    wide = boxes.astype(float)
+    wide[:, :dims] -= np.float32(margin)
+    wide[:, dims:] += np.float32(margin)
+    in_mask = (masks & 6) != 0
+    expected = np.triu(overlaps(wide, boxes.astype(float)), 1)
+    found = as_matrix(tree.pairs(margin=margin, threads=2), expected.shape)
+    assert (found == expected).mean() > 0.9999 and found[np.triu(overlaps(boxes, boxes), 1)].all()
+    found &= in_mask & in_mask[:, None]
+    assert (as_matrix(tree.pairs(margin=margin, mask=6), expected.shape) == found).all()
+    expected = overlaps(queries.astype(float), wide) & in_mask
+    found = hs.join(other, tree, margin=margin, mask=6)
+    assert (as_matrix(found, expected.shape) == expected).mean() > 0.9999
+    assert len(tree.pairs_of(np.arange(len(boxes)))) == tree.pairs().shape[1]
+
+    tree.set_masks(16, [3, 5])
+    tree.set_masks([32, 64], ids=[4, 6])
+    everything = [-9] * dims + [9] * dims
+    assert sorted(tree.query(everything, mask=16)) == [3, 5]
+    assert sorted(tree.query(everything, mask=96)) == [4, 6]
+    assert tree.cost_ratio == 1
+    tree.refit(rng.permutation(boxes))
+    before = tree.cost_ratio
+    assert before > 1.5
+    tree.erase([0])
+    tree.rebuild(quality="fast", threads=2)
+    assert tree.cost_ratio == 1 and len(tree) == len(boxes) - 1
+    assert sorted(tree.query(everything, mask=96)) == [4, 6]
+    for call, text in (
+        (lambda: tree.set_masks([1, 2]), "masks: expected one integer or an array"),
+        (lambda: tree.set_masks(1, [0]), r"ids\[0\]: expected the id of an object, got 0"),
+        (lambda: tree.set_masks(-1), r"masks\[0\]: expected an integer from 0 to 2"),
+        (lambda: tree.query(everything, mask=2**32), "mask: expected an integer from 0"),
+        (lambda: tree.pairs(margin=np.inf), "margin: expected a finite float32, got inf"),
+        (lambda: hs.join(tree, other, margin=np.nan), "margin: expected a number that is"),
+        (lambda: tree.rebuild(quality="x"), "quality: expected"),
+    ):
+        with pytest.raises(ValueError, match=text):
+            call()

@@ -558,8 +558,8 @@ typedef struct hs_query_options {
   size_t skip;     // results that are not written, in ..._query() alone
   const char* target;  // null: the chosen target
   int exclusive;       // 1: leaves out the objects whose bound is equal to the
-                       // query, in hs_bvh_nearest_...() alone. The BVH must be
-                       // of boxes.
+                       // query, in ..._nearest_...() alone. The bounds must be
+                       // boxes.
 } hs_query_options;
 
 HALFSPACE_API hs_status hs_query_options_default(hs_query_options* options,

@@ -250,15 +250,26 @@ float SquaredLimit(float distance) {
       std::min(squared * (1 + 0x1p-20) + 0x1p-148, double{kMost}));
 }
 
+// Whether an object's box is that of the place. A simplex has minima alone.
+bool IsThere(const Layout& layout, const Planes& planes, const Place& place) {
+  for (std::size_t k = 0; k < layout.dims; ++k) {
+    const Corner& max = place.is_point ? place.min : place.max;
+    if (planes[k] != place.min[k]) return false;
+    if (layout.has_max && planes[layout.first_max + k] != max[k]) return false;
+  }
+  return true;
+}
+
 std::vector<Near> NearestOf(const Layout& layout, const Objects& objects,
                             const Place& place, float limit,
-                            std::uint32_t mask) {
+                            const SearchOptions& options) {
   std::vector<Near> nearest;
   for (const auto& [id, object] : objects) {
+    if (options.exclusive && IsThere(layout, object.bound, place)) continue;
     const float squared =
         SquaredDistanceOf(layout, object.bound, place.min.data(),
                           place.is_point ? place.min.data() : place.max.data());
-    if (HasMask(object, mask) && squared <= SquaredLimit(limit)) {
+    if (HasMask(object, options.mask) && squared <= SquaredLimit(limit)) {
       nearest.push_back({id, squared});
     }
   }
@@ -297,7 +308,7 @@ void ExpectNearest(const Searches& world, const Objects& objects,
                    const Place& place, float max_distance,
                    const SearchOptions& options) {
   const std::vector<Near> expected =
-      NearestOf(world.layout, objects, place, max_distance, options.mask);
+      NearestOf(world.layout, objects, place, max_distance, options);
   // With and without distances: of more than 2048 ids alone, half are found at
   // once.
   for (std::size_t room : {1u, 8u, 63u, 64u, 700u, 3000u, 9000u}) {
@@ -326,8 +337,8 @@ void ExpectNearest(const Searches& world, const Objects& objects,
     bvh->NearestEach(places, k, alone, {}, max_distance, options);
     ASSERT_EQ(alone, ids);
     for (std::size_t q = 0; q < 3; ++q) {
-      const auto its = NearestOf(world.layout, objects, places[q], max_distance,
-                                 options.mask);
+      const auto its =
+          NearestOf(world.layout, objects, places[q], max_distance, options);
       const std::size_t count = std::min(k, its.size());
       for (std::size_t i = q * k + count; i < (q + 1) * k; ++i) {
         ASSERT_EQ(ids[i], kNoId);
@@ -367,7 +378,7 @@ void ExpectNearest(const Searches& world, const Objects& objects,
       ExpectAreNearest(expected, ids, distances);
       if (::testing::Test::HasFatalFailure()) return;
       const auto its = NearestOf(world.layout, objects, place,
-                                 shrinks ? limit : max_distance, options.mask);
+                                 shrinks ? limit : max_distance, options);
       if (shrinks) {
         ASSERT_EQ(ids.size(), its.size());
       } else {
@@ -786,6 +797,18 @@ void ExpectAnswers(const Searches& world, const Objects& objects,
     ExpectNearest(world, objects,
                   SomePlace(layout, is_point, how.is_special, random), limit,
                   search);
+    if (::testing::Test::HasFatalFailure()) return;
+  }
+  if (!objects.empty()) {
+    const Planes bound = any_object()->second.bound;
+    Place place;
+    for (std::size_t k = 0; k < layout.dims; ++k) {
+      place.min[k] = bound[k];
+      place.max[k] = bound[layout.has_max ? layout.first_max + k : k];
+    }
+    SearchOptions others = search;
+    others.exclusive = true;
+    ExpectNearest(world, objects, place, kInf, others);
     if (::testing::Test::HasFatalFailure()) return;
   }
   for (Motion::Kind kind : {Motion::kRay, Motion::kBox, Motion::kBall}) {

@@ -1,0 +1,137 @@
+"""Trees that keep doubles: results are those of the doubles."""
+
+import copy
+import pickle
+
+import halfspace as hs
+import numpy as np
+import pytest
+
+from conftest import as_matrix, overlaps
+
+OFFSET = 500_000
+
+
+def near_boxes(rng, n, dims):
+    """Boxes on a grid that doubles hold only about, so that many touch or nearly do, and
+    empty, infinite and huge ones."""
+    corners = rng.integers(0, 30, (n, dims)) * 0.1 + OFFSET
+    corners += rng.integers(-1, 2, (n, dims)) * 2.0**-34
+    boxes = np.hstack([corners, corners + 0.1])
+    if n > 9:
+        inf, high = [np.inf] * dims, [1e300] * dims
+        boxes[:6] = [inf + [-np.inf] * dims, [-np.inf] * dims + inf, high + inf, high + high,
+                     [5e-324] * 2 * dims, inf + inf]
+    return boxes
+
+
+@pytest.fixture
+def boxes(rng, dims):
+    return near_boxes(rng, 3000, dims)
+
+
+@pytest.mark.parametrize("n", [1500, 5000])
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_searches(rng, dims, boxes, n, dtype):
+    """With 5000 queries the call joins."""
+    with np.errstate(over="ignore"):
+        queries = near_boxes(rng, n, dims).astype(dtype)
+    tree, floats = hs.BVH(boxes, exact=True), hs.BVH(boxes)
+    tree.set_masks(1 << np.arange(len(boxes)) % 3)
+    expected = overlaps(queries.astype(float), boxes)
+    assert expected.sum() < floats.count(queries).sum() * (0.9 if dtype == np.float64 else 1)
+    in_mask = expected & (np.arange(len(boxes)) % 3 > 0)
+    for mask, its in ((None, expected), (6, in_mask)):
+        for threads in (1, 2):
+            found = tree.query(queries, mask=mask, threads=threads)
+            assert (as_matrix(found, its.shape) == its).all()
+            assert (np.diff(found[0]) >= 0).all()
+            counts = tree.count(queries, mask=mask, threads=threads)
+            assert (counts == its.sum(axis=1)).all()
+            assert (tree.any(queries, mask=mask) == its.any(axis=1)).all()
+        for most in (1, 100, 10**7):
+            some = queries[:30]
+            batches = list(tree.query_batches(some, most, mask=mask))
+            assert all(0 < batch.shape[1] <= most for batch in batches)
+            found = as_matrix(np.hstack(batches), (30, len(boxes)))
+            assert (found == its[:30]).all()
+        for one, row in zip(queries[:30], its):
+            assert sorted(tree.query(one, mask=mask)) == np.flatnonzero(row).tolist()
+            assert tree.count(one, mask=mask) == row.sum()
+            assert tree.any(one.tolist(), mask=mask) is bool(row.any())
+    assert tree.query(queries[:0]).shape == (2, 0)
+
+
+def test_pairs(rng, dims, boxes):
+    queries = near_boxes(rng, 2000, dims)
+    tree, exact = hs.BVH(boxes, exact=True), hs.BVH(queries, exact=True)
+    floats = hs.BVH(queries)
+    expected = np.triu(overlaps(boxes, boxes), 1)
+    assert (as_matrix(tree.pairs(threads=2), expected.shape) == expected).all()
+    assert hs.BVH(boxes).pairs().shape[1] > 1.1 * expected.sum()
+    some = tree.pairs_of(np.arange(50))
+    either = expected.copy()
+    either[50:] = False
+    assert (as_matrix(np.sort(some).T, expected.shape) == either).all()
+    for other, its in ((exact, queries), (floats, floats.boxes().astype(float))):
+        expected = overlaps(its, boxes)
+        assert (as_matrix(hs.join(other, tree), expected.shape) == expected).all()
+        assert (as_matrix(hs.join(tree, other), expected.T.shape) == expected.T).all()
+    margin = 0.125
+    below = boxes[:, None, :dims] <= queries[None, :, dims:] + margin
+    above = queries[None, :, :dims] <= boxes[:, None, dims:] + margin
+    expected = (below & above).all(axis=2)
+    found = hs.join(tree, exact, margin=margin)
+    assert (as_matrix(found, expected.shape) == expected).all()
+
+
+def test_changes(rng, dims, boxes):
+    tree = hs.BVH(boxes[:2000], exact=True)
+
+    def check(its, erased=()):
+        expected = overlaps(boxes, its)
+        expected[:, erased] = False
+        found = tree.query(boxes)
+        assert (as_matrix(found, expected.shape) == expected).all()
+        np.testing.assert_array_equal(tree.boxes(), its)
+
+    check(boxes[:2000])
+    assert tree.insert(boxes[2000:2500]).tolist() == list(range(2000, 2500))
+    tree.insert_as(np.arange(2500, 3000)[::-1], boxes[2500:][::-1])
+    check(boxes)
+    moved = boxes.copy()
+    moved[7:100] = near_boxes(rng, 93, dims)
+    tree.refit(moved[7:100], np.arange(7, 100))
+    check(moved)
+    tree.erase([8, 2999])
+    tree.rebuild()
+    moved = moved[:2999]
+    moved[8] = boxes[0]
+    check(moved, [8])
+    tree.refit(boxes[:2999])
+    moved = boxes[:2999].copy()
+    moved[8] = boxes[0]
+    check(moved, [8])
+    with pytest.raises(ValueError):
+        tree.insert_as([7], boxes[8])
+    check(moved, [8])
+    pickles = [pickle.loads(pickle.dumps(tree, protocol)) for protocol in (2, 5)]
+    for same in (copy.copy(tree), *pickles):
+        assert (same.query(boxes) == tree.query(boxes)).all() and same.insert(boxes[9]) >= 0
+        assert same.nbytes > hs.BVH(moved).nbytes + moved.nbytes
+    for call in (tree.blob, lambda: tree.save("x")):
+        with pytest.raises(TypeError, match="pickle an exact one"):
+            call()
+    assert tree.boxes([9]).tolist() == [boxes[9].tolist()]
+
+
+@pytest.mark.parametrize("n", [0, 1])
+def test_few(rng, dims, n):
+    its = near_boxes(rng, n, dims)
+    tree, other = hs.BVH(its, exact=True), hs.BVH(its)
+    assert tree.count(its).tolist() == [1] * n
+    assert hs.join(tree, other).shape == (2, n) and tree.pairs().shape == (2, 0)
+    tree.insert(np.zeros((3, 2 * dims)))
+    assert tree.count(np.zeros(2 * dims)) == 3
+    with pytest.raises(ValueError, match="expected numbers, got NaN"):
+        tree.insert([np.nan] * 2 * dims)
