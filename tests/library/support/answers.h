@@ -19,7 +19,6 @@
 #include "halfspace/targets.h"
 #include "tests/library/support/any_world.h"
 #include "tests/library/support/canaries.h"
-#include "tests/library/support/covered_tiles.h"
 #include "tests/library/support/target_that_runs.h"
 
 namespace halfspace::testing {
@@ -211,6 +210,42 @@ inline std::string WhatIsWrong(const Answers& answers, const Outputs& pairs) {
   return {};
 }
 
+// Each word of the masks is in one tile, and tiles are parts of the range.
+inline void CompareTiles(const Answers& answers, const AnyWorld& world,
+                         const AnyQueries& queries, const Options& options,
+                         Differences& compare) {
+  const std::size_t begin = std::min(answers.range().begin, world.size());
+  const std::size_t end = std::min(answers.range().end, world.size());
+  const std::size_t words = MaskWords(end - begin);
+  std::vector<std::uint64_t> rows(answers.survived().size());
+  std::vector<int> times(rows.size());
+  const auto add = [&](const SurvivorTile& tile) {
+    const std::size_t first = tile.first_object - begin;
+    const bool is_part =
+        tile.queries > 0 && tile.objects > 0 &&
+        tile.first_query + tile.queries <= queries.count &&
+        tile.first_object >= begin && first % 64 == 0 &&
+        tile.first_object + tile.objects <= end &&
+        (tile.objects % 64 == 0 || tile.first_object + tile.objects == end);
+    if (!is_part) return compare.Add("ForEachTile", "a tile out of place");
+    for (std::size_t q = 0; q < tile.queries; ++q) {
+      const std::span<const std::uint64_t> row = tile.Row(q);
+      const std::size_t at = (tile.first_query + q) * words + first / 64;
+      compare.Find("a row of ForEachTile", MaskWords(tile.objects), row.size());
+      for (std::size_t w = 0; w < MaskWords(tile.objects); ++w) {
+        rows[at + w] = row[w];
+        ++times[at + w];
+      }
+    }
+  };
+  detail::Callback call{add};
+  detail::ForEachTile(world.Asked(queries), &decltype(call)::Run, &call,
+                      options);
+  compare.Find<std::uint64_t>("ForEachTile", answers.survived(), rows);
+  compare.Find<int>("ForEachTile, tiles of a word",
+                    std::vector<int>(rows.size(), 1), times);
+}
+
 }  // namespace internal
 
 // All calls for several queries give `answers`; and those for one query, if
@@ -252,12 +287,7 @@ inline ::testing::AssertionResult CallsAnswer(const Answers& answers,
     compare.Find("SurvivorCounts", answers.survivors(q).size(),
                  outputs.counts[q]);
   }
-  CoveredTiles covered(answers.survived(), queries.count, answers.objects(),
-                       answers.range());
-  const auto add = [&](const SurvivorTile& tile) { covered.Add(tile); };
-  detail::Callback call{add};
-  detail::ForEachTile(asked(), &decltype(call)::Run, &call, options);
-  compare.Add("ForEachTile", covered.WhatIsWrong());
+  internal::CompareTiles(answers, world, queries, options, compare);
   return compare.first();
 }
 
