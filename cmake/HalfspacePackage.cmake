@@ -19,7 +19,9 @@ if(TARGET cpuinfo-bench)
 endif()" COMPONENT halfspace_tools)
 
   # What is compiled into it, by a header of each library.
-  set(HALFSPACE_LICENSED_HEADERS)
+  set(HALFSPACE_LICENSED_HEADERS
+    "*/include/benchmark/benchmark.h" "*/include/CLI/CLI.hpp"
+    "*/include/nlohmann/json.hpp")
   if(NOT HALFSPACE_BUNDLES_HIGHWAY)
     list(APPEND HALFSPACE_LICENSED_HEADERS "*/include/hwy/highway.h")
   endif()

@@ -3,7 +3,7 @@
 
 arm_packages=(
   g++-aarch64-linux-gnu qemu-user
-  libgmp-dev:arm64 libgtest-dev:arm64 libhwy-dev:arm64)
+  libbenchmark-dev:arm64 libgmp-dev:arm64 libgtest-dev:arm64 libhwy-dev:arm64)
 
 # prepare_arm: what the presets aarch64 and aarch64-clang need besides what every
 # build does.

@@ -4,7 +4,8 @@
 # make is for whoever then calls cmake without a preset or -G.
 build_packages=(
   binutils cmake g++ make ninja-build pkg-config
-  libgmp-dev libgtest-dev libhwy-dev)
+  libbenchmark-dev libcli11-dev libgmp-dev libgtest-dev libhwy-dev
+  nlohmann-json3-dev)
 
 # What cpuinfo-bench compares the library with, where it is installed.
 # shellcheck disable=SC2034  # for those who source this
@@ -99,6 +100,9 @@ require_tools() {
     missing+=("a C++20 compiler (g++ 12 or clang 14, or later; or set CXX)")
   else
     has_header gtest/gtest.h || missing+=("GoogleTest")
+    has_header benchmark/benchmark.h || missing+=("Google Benchmark")
+    has_header CLI/CLI.hpp || missing+=("CLI11")
+    has_header nlohmann/json.hpp || missing+=("nlohmann-json")
     has_header gmpxx.h || missing+=("GMP, with its C++ interface")
   fi
   if [ "${#missing[@]}" -eq 0 ]; then return; fi

@@ -1,7 +1,6 @@
 #include "bench/base/text.h"
 
 #include <cstdio>
-#include <sstream>
 
 namespace halfspace::bench {
 
@@ -40,19 +39,6 @@ std::string Printable(std::string_view text) {
     before = byte;
   }
   return printable;
-}
-
-std::vector<std::string> Wrapped(const std::string& text, std::size_t width) {
-  std::vector<std::string> lines(1);
-  std::istringstream words(text);
-  for (std::string word; words >> word;) {
-    if (!lines.back().empty() &&
-        lines.back().size() + 1 + word.size() > width) {
-      lines.emplace_back();
-    }
-    lines.back() += (lines.back().empty() ? "" : " ") + word;
-  }
-  return lines;
 }
 
 std::string NameOf(Target target) {

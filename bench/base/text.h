@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "halfspace/targets.h"
 
@@ -21,9 +20,6 @@ std::string Grouped(std::size_t value);
 // What a file name or a variable holds, safe for a terminal: control characters
 // as \xNN.
 std::string Printable(std::string_view text);
-
-// Words in lines of that width; a longer word has a line of its own.
-std::vector<std::string> Wrapped(const std::string& text, std::size_t width);
 
 // "AVX-512", "AVX2", "SSE4.2" or "scalar"; otherwise Highway's name.
 std::string NameOf(Target target);

@@ -1,5 +1,7 @@
 #include "bench/measure/machine.h"
 
+#include <benchmark/benchmark.h>
+
 #include <algorithm>
 #include <array>
 #include <fstream>
@@ -18,9 +20,6 @@
 #include <sys/resource.h>
 #include <sys/utsname.h>
 #include <unistd.h>
-#endif
-#if defined(__APPLE__)
-#include <sys/sysctl.h>
 #endif
 
 namespace halfspace::bench {
@@ -173,28 +172,6 @@ std::string Machine::CachesText() const {
   return text.empty() ? "caches unknown" : text;
 }
 
-std::vector<Cache> CachesIn(const std::string& folder) {
-  std::vector<Cache> caches;
-  for (int i = 0;; ++i) {
-    const std::string index = folder + "/index" + std::to_string(i) + "/";
-    const auto line = [&](const char* name) {
-      return FirstLineOf((index + name).c_str());
-    };
-    const std::string type = line("type");
-    if (type.empty()) break;
-    if (type == "Instruction") continue;
-    Cache cache;
-    char unit = 0;  // "48K"
-    std::istringstream(line("level")) >> cache.level;
-    std::istringstream(line("size")) >> cache.bytes >> unit;
-    cache.bytes <<= unit == 'K' ? 10 : unit == 'M' ? 20 : 0;
-    if (cache.bytes != 0) caches.push_back(cache);
-  }
-  std::sort(caches.begin(), caches.end(),
-            [](const Cache& a, const Cache& b) { return a.level < b.level; });
-  return caches;
-}
-
 int UsableCpus() {
 #if defined(__linux__)
   cpu_set_t set;
@@ -245,19 +222,13 @@ Machine DescribeMachine() {
   machine.cores = static_cast<int>(std::thread::hardware_concurrency());
   machine.affinity = AffinityOf();
   machine.available_memory = FreeMemory();
-  machine.caches = CachesIn("/sys/devices/system/cpu/cpu0/cache");
-#if defined(__APPLE__)
-  for (int level = 1; level <= 3; ++level) {
-    const std::string name = "hw.l" + std::to_string(level) +
-                             (level == 1 ? "dcachesize" : "cachesize");
-    std::size_t bytes = 0;
-    std::size_t size = sizeof(bytes);
-    if (sysctlbyname(name.c_str(), &bytes, &size, nullptr, 0) == 0 &&
-        bytes != 0) {
-      machine.caches.push_back({level, bytes});
-    }
+  for (const auto& cache : benchmark::CPUInfo::Get().caches) {
+    if (cache.type == "Instruction" || cache.size <= 0) continue;
+    machine.caches.push_back(
+        {cache.level, static_cast<std::size_t>(cache.size), cache.num_sharing});
   }
-#endif
+  std::sort(machine.caches.begin(), machine.caches.end(),
+            [](const Cache& a, const Cache& b) { return a.level < b.level; });
   return machine;
 }
 

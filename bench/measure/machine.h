@@ -11,6 +11,7 @@ namespace halfspace::bench {
 struct Cache {
   int level = 0;
   std::size_t bytes = 0;
+  int shared_by = 0;  // logical CPUs
 };
 
 struct Machine {
@@ -41,9 +42,6 @@ struct Machine {
 };
 
 Machine DescribeMachine();
-
-// The data caches of a CPU, by level, as Linux describes them in a folder.
-std::vector<Cache> CachesIn(const std::string& folder);
 
 // Logical CPUs that this thread may use; 0 if unknown.
 int UsableCpus();

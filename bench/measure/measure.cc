@@ -1,11 +1,12 @@
 #include "bench/measure/measure.h"
 
+#include <benchmark/benchmark.h>
+
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
-#include <random>
-
-#include "bench/measure/team.h"
+#include <string_view>
 
 namespace halfspace::bench {
 namespace {
@@ -32,6 +33,72 @@ std::size_t IterationsFor(const Case& c, const Effort& effort) {
   const double once = std::max(SecondsOf(c.run), 1e-9);
   return std::max(least, static_cast<std::size_t>(
                              std::clamp(std::ceil(seconds / once), 1.0, 1e9)));
+}
+
+// Collects the repetitions; the name of each benchmark is the case's index.
+class Collector : public benchmark::BenchmarkReporter {
+ public:
+  Collector(const std::vector<Case>& cases, std::vector<Timing>& timings)
+      : cases_(cases), timings_(timings) {}
+
+  bool ReportContext(const Context& /*context*/) override { return true; }
+
+  void ReportRuns(const std::vector<Run>& runs) override {
+    for (const Run& run : runs) {
+      if (run.run_type != Run::RT_Iteration) continue;
+      const std::size_t index = std::stoul(run.run_name.function_name);
+      // CPU time of this thread: a kernel never waits, and real time would
+      // count the other programs of a busy machine. Windows counts CPU time in
+      // steps of 16 ms.
+#if defined(_WIN32)
+      const double seconds = run.real_accumulated_time;
+#else
+      const double seconds = run.cpu_accumulated_time;
+#endif
+      timings_[index].iterations = static_cast<std::size_t>(run.iterations);
+      timings_[index].samples.push_back(
+          seconds * 1e9 /
+          (static_cast<double>(run.iterations) * cases_[index].items));
+    }
+  }
+
+ private:
+  const std::vector<Case>& cases_;
+  std::vector<Timing>& timings_;
+};
+
+// Google Benchmark's static initialisers read settings from these variables,
+// and complain of them on standard error: they must be gone before those run.
+#if defined(__GLIBC__)
+void DropBenchmarkVariables(int /*argc*/, char** /*argv*/, char** environment) {
+  char** kept = environment;
+  for (char** each = environment; *each != nullptr; ++each) {
+    const std::string_view variable(*each);
+    if (variable.starts_with("BENCHMARK_") || variable.starts_with("V=")) {
+      continue;
+    }
+    *kept++ = *each;
+  }
+  *kept = nullptr;
+}
+using Initialiser = void (*)(int, char**, char**);
+__attribute__((section(".preinit_array"), used)) const Initialiser kFirst =
+    &DropBenchmarkVariables;
+#endif
+
+// Google Benchmark takes its settings from a command line only.
+void InitializeOnce() {
+  static const bool initialized = [] {
+    std::array<std::string, 3> words = {
+        "cpuinfo-bench", "--benchmark_enable_random_interleaving=true",
+        "--benchmark_filter=all"};
+    std::array<char*, words.size() + 1> argv{};
+    for (std::size_t i = 0; i < words.size(); ++i) argv[i] = words[i].data();
+    int argc = static_cast<int>(words.size());
+    benchmark::Initialize(&argc, argv.data());
+    return true;
+  }();
+  (void)initialized;
 }
 
 void CheckAnswer(const Case& c) {
@@ -77,52 +144,46 @@ Ratio RangeOf(const std::vector<double>& values) {
           QuantileOf(values, 1.0)};
 }
 
-void KeepResult(std::uint32_t result) {
-#if defined(__GNUC__)
-  asm volatile("" : : "r"(result) : "memory");
-#else
-  static volatile std::uint32_t kept;
-  kept = result;
-#endif
-}
+void KeepResult(std::uint32_t result) { benchmark::DoNotOptimize(result); }
 
 std::vector<Timing> Measure(const std::vector<Case>& cases,
                             const Effort& effort, Progress& progress) {
-  static std::mt19937 random;
+  InitializeOnce();
   std::vector<Timing> timings(cases.size());
   // Checking and calibrating a case takes about as long as one repetition.
   const double steps =
       static_cast<double>(cases.size() * (effort.repetitions + 1));
   double steps_done = 0.0;
   const auto step = [&] { progress.Update(++steps_done / steps); };
-  std::vector<std::size_t> order;  // of the repetitions of a group
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const Case& c = cases[i];
     timings[i].name = c.name;
     timings[i].items = c.items;
     CheckAnswer(c);
-    timings[i].iterations = IterationsFor(c, effort);
-    order.insert(order.end(), effort.repetitions, i);
+    benchmark::RegisterBenchmark(std::to_string(i).c_str(),
+                                 [&c, &step](benchmark::State& state) {
+                                   for (auto _ : state) c.run();
+                                   step();
+                                 })
+        ->Iterations(
+            static_cast<benchmark::IterationCount>(IterationsFor(c, effort)))
+        ->Repetitions(static_cast<int>(effort.repetitions));
     step();
-    if (i + 1 < cases.size() && cases[i + 1].group == c.group) continue;
-    std::shuffle(order.begin(), order.end(), random);
-    for (std::size_t each : order) {
-      Timing& timing = timings[each];
-      // CPU time of this thread: a kernel never waits, and real time would
-      // count the other programs of a busy machine.
-      const double start = ThreadSeconds();
-      for (std::size_t n = 0; n < timing.iterations; ++n) cases[each].run();
-      const double ns = 1e9 * (ThreadSeconds() - start) /
-                        (static_cast<double>(timing.iterations) * timing.items);
-      // Ratios of such times are no numbers.
-      if (!(ns > 0.0)) {
-        throw std::runtime_error(timing.name +
-                                 ": took no time, so the clock is too coarse");
-      }
-      timing.samples.push_back(ns);
-      step();
+    if (i + 1 == cases.size() || cases[i + 1].group != c.group) {
+      Collector collector(cases, timings);
+      benchmark::RunSpecifiedBenchmarks(&collector);
+      benchmark::ClearRegisteredBenchmarks();
     }
-    order.clear();
+  }
+  for (const Timing& timing : timings) {
+    if (timing.samples.size() != effort.repetitions) {
+      throw std::logic_error(timing.name + ": was not timed");
+    }
+    // Ratios of such times are no numbers.
+    if (!(timing.Quantile(0.0) > 0.0)) {
+      throw std::runtime_error(timing.name +
+                               ": took no time, so the clock is too coarse");
+    }
   }
   return timings;
 }

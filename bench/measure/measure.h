@@ -1,5 +1,6 @@
-// Timing: the repetitions of cases that will be compared run close together, in
-// random order, so that a drifting machine drifts for all of them alike.
+// Timing with Google Benchmark: cases registered in code, those that will be
+// compared run close together and in random interleaving, so that a drifting
+// machine drifts for all of them alike.
 #ifndef HALFSPACE_BENCH_MEASURE_MEASURE_H_
 #define HALFSPACE_BENCH_MEASURE_MEASURE_H_
 

@@ -1,143 +1,102 @@
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
 
 #include "bench/report/table.h"
 
 namespace halfspace::bench {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr int kSchema = 4;
 constexpr std::array<const char*, 3> kBetter = {"", "lower", "higher"};
 constexpr std::array<const char*, 3> kFlags = {"", "winner", "tie"};
 
-// The bytes of the UTF-8 character that a text begins with; 0 if there is none.
-std::size_t BytesOfCharacter(std::string_view text) {
-  const auto lead = static_cast<unsigned char>(text[0]);
-  if (lead < 0x80) return 1;
-  const std::size_t bytes = lead < 0xC0   ? 0
-                            : lead < 0xE0 ? 2
-                            : lead < 0xF0 ? 3
-                                          : 4;
-  if (bytes == 0 || bytes > text.size()) return 0;
-  std::uint32_t code = lead & (0x7Fu >> bytes);
-  for (char next : text.substr(1, bytes - 1)) {
-    if ((next & 0xC0) != 0x80) return 0;
-    code = code << 6 | (next & 0x3F);
-  }
-  constexpr std::array<std::uint32_t, 5> kLeast = {0, 0, 0x80, 0x800, 0x10000};
-  const bool is_surrogate = code >> 11 == 0x1B;
-  return code < kLeast[bytes] || code > 0x10FFFF || is_surrogate ? 0 : bytes;
-}
-
-// A file name in another encoding must not stop the report: other bytes become
-// U+FFFD.
-std::string ToJson(const std::string& text) {
-  std::string json = "\"";
-  for (std::size_t i = 0; i < text.size();) {
-    const std::size_t bytes =
-        BytesOfCharacter(std::string_view(text).substr(i));
-    const char c = text[i];
-    if (bytes == 0) {
-      json += "\xEF\xBF\xBD";
-    } else if (c == '"' || c == '\\') {
-      json.append(1, '\\').append(1, c);
-    } else if (c == '\n') {
-      json += "\\n";
-    } else if (bytes == 1 && c < ' ') {
-      char escaped[8];
-      std::snprintf(escaped, sizeof(escaped), "\\u%04x", c);
-      json += escaped;
-    } else {
-      json.append(text, i, bytes);
-    }
-    i += bytes == 0 ? 1 : bytes;
-  }
-  return json + "\"";
-}
-
 // Whole numbers are counts, and exact; others keep five digits.
-std::string ToJson(double value) {
-  if (!std::isfinite(value)) return "null";
-  const bool is_count = value == std::floor(value) && std::abs(value) < 0x1p53;
+Json ToJson(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  if (value == std::floor(value) && std::abs(value) < 0x1p53) {
+    return static_cast<std::int64_t>(value);
+  }
   char text[32];
-  std::snprintf(text, sizeof(text), is_count ? "%.0f" : "%.5g",
-                is_count ? value + 0.0 : value);
-  return text;
-}
-
-std::string ToJson(bool value) { return value ? "true" : "false"; }
-
-template <typename List, typename Json>
-std::string ListOf(const List& list, Json json) {
-  std::string text;
-  for (const auto& each : list) text += (text.empty() ? "" : ",") + json(each);
-  return "[" + text + "]";
-}
-std::string ListOf(const std::vector<std::string>& texts) {
-  return ListOf(texts, [](const std::string& text) { return ToJson(text); });
+  std::snprintf(text, sizeof(text), "%.5g", value);
+  return std::strtod(text, nullptr);
 }
 
 // A text, a number, null, or a list: value, low, high and flag.
-std::string ToJson(const Cell& cell) {
-  std::string json = cell.value          ? ToJson(*cell.value)
-                     : cell.text.empty() ? "null"
-                                         : ToJson(cell.text);
+Json ToJson(const Cell& cell) {
+  Json json = cell.value          ? ToJson(*cell.value)
+              : cell.text.empty() ? Json(nullptr)
+                                  : Json(cell.text);
   if (!cell.spread && cell.flag == Flag::kNone) return json;
-  json = "[" + json + "," +
-         (cell.spread
-              ? ToJson(cell.spread->first) + "," + ToJson(cell.spread->second)
-              : "null,null");
+  Json list = Json::array({json, nullptr, nullptr});
+  if (cell.spread) {
+    list[1] = ToJson(cell.spread->first);
+    list[2] = ToJson(cell.spread->second);
+  }
   if (cell.flag != Flag::kNone) {
-    json +=
-        ",\"" + std::string(kFlags[static_cast<std::size_t>(cell.flag)]) + "\"";
+    list.push_back(kFlags[static_cast<std::size_t>(cell.flag)]);
   }
-  return json + "]";
+  return list;
 }
 
-std::string ToJson(const Column& column) {
-  std::string json = "{\"name\":" + ToJson(column.name);
-  if (!column.unit.empty()) json += ",\"unit\":" + ToJson(column.unit);
-  if (column.is_key) json += ",\"key\":true";
-  if (column.better != Better::kNeither) {
-    json += ",\"better\":\"" +
-            std::string(kBetter[static_cast<std::size_t>(column.better)]) +
-            "\"";
+Json ToJson(const Table& table) {
+  Json json = {{"name", table.name}, {"title", table.title}};
+  Json& columns = json["columns"] = Json::array();
+  for (const Column& column : table.columns) {
+    Json each = {{"name", column.name}};
+    if (!column.unit.empty()) each["unit"] = column.unit;
+    if (column.is_key) each["key"] = true;
+    if (column.better != Better::kNeither) {
+      each["better"] = kBetter[static_cast<std::size_t>(column.better)];
+    }
+    each["digits"] = column.digits;
+    columns.push_back(each);
   }
-  return json + ",\"digits\":" + std::to_string(column.digits) + "}";
-}
-
-std::string ToJson(const Chart& chart) {
-  std::string json = "{\"x\":" + ToJson(chart.x) + ",\"y\":" + ListOf(chart.y) +
-                     ",\"series\":" + ToJson(chart.series) +
-                     ",\"x_log\":" + ToJson(chart.is_x_log) +
-                     ",\"y_log\":" + ToJson(chart.is_y_log);
-  if (!chart.marks.empty()) {
-    json += ",\"marks\":" + ListOf(chart.marks, [](const auto& mark) {
-              return "[" + ToJson(mark.first) + "," + ToJson(mark.second) + "]";
-            });
+  Json& rows = json["rows"] = Json::array();
+  for (const Row& row : table.rows) {
+    Json cells = Json::array();
+    for (const Cell& cell : row) cells.push_back(ToJson(cell));
+    rows.push_back(cells);
   }
-  return json + "}";
+  if (!table.notes.empty()) json["notes"] = table.notes;
+  if (table.chart) {
+    json["chart"] = {{"x", table.chart->x},
+                     {"y", table.chart->y},
+                     {"series", table.chart->series},
+                     {"x_log", table.chart->is_x_log},
+                     {"y_log", table.chart->is_y_log}};
+    if (!table.chart->marks.empty()) {
+      Json& marks = json["chart"]["marks"] = Json::array();
+      for (const auto& [line, x] : table.chart->marks) {
+        marks.push_back(Json::array({line, ToJson(x)}));
+      }
+    }
+  }
+  if (!table.lead.empty()) json["lead"] = table.lead;
+  return json;
 }
 
 // A line for each row, so that versions of a stored run can be compared.
-std::string ToJson(const Table& table) {
-  std::string json =
-      "{\"name\":" + ToJson(table.name) + ",\"title\":" + ToJson(table.title) +
-      ",\"columns\":" +
-      ListOf(table.columns, [](const Column& each) { return ToJson(each); });
-  if (!table.notes.empty()) json += ",\"notes\":" + ListOf(table.notes);
-  if (table.chart) json += ",\"chart\":" + ToJson(*table.chart);
-  if (!table.lead.empty()) json += ",\"lead\":" + ListOf(table.lead);
-  return json + ",\"rows\":" +
-         ListOf(table.rows,
-                [](const Row& row) {
-                  return "\n" + ListOf(row, [](const Cell& cell) {
-                           return ToJson(cell);
-                         });
-                }) +
-         "}";
+void AppendLines(std::string& text, const Json& table) {
+  const auto dump = [](const Json& json) {
+    // A file name in another encoding must not stop the report.
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  };
+  Json rest = table;
+  rest.erase("rows");
+  std::string head = dump(rest);
+  head.pop_back();
+  text += head + ",\"rows\":[";
+  const char* before = "\n";
+  for (const Json& row : table.at("rows")) {
+    text += before + dump(row);
+    before = ",\n";
+  }
+  text += "]}";
 }
 
 }  // namespace
@@ -150,18 +109,17 @@ std::string Report::ValueOf(std::string_view name) const {
 }
 
 std::string ToJson(const Report& report) {
+  Json context = Json::object();
+  for (const auto& [key, value] : report.context) context[key] = value;
   std::string text =
-      "{\"schema\":" + std::to_string(kSchema) + ",\n\"context\":{";
-  const char* before = "\n ";
-  for (const auto& [key, value] : report.context) {
-    text += before + ToJson(key) + ": " + ToJson(value);
-    before = ",\n ";
-  }
-  text += "\n},\n\"tables\":[";
-  before = "\n";
+      "{\"schema\":" + std::to_string(kSchema) + ",\n\"context\":" +
+      context.dump(1, ' ', false, Json::error_handler_t::replace) +
+      ",\n\"tables\":[";
+  const char* before = "\n";
   for (const Table& table : report.tables) {
     if (table.is_empty()) continue;
-    text += before + ToJson(table);
+    text += before;
+    AppendLines(text, ToJson(table));
     before = ",\n";
   }
   return text + "]}\n";

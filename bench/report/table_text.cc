@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "bench/base/text.h"
 #include "bench/report/table.h"
@@ -30,6 +31,20 @@ std::vector<std::string> LinesOf(const Cell& cell, int digits,
                             TextOf(cell.spread->second, digits) + "]";
   if (has_range_below) return {value + mark, range};
   return {value + " " + range + mark};
+}
+
+// Words in lines of that width; a longer word has a line of its own.
+std::vector<std::string> Wrapped(const std::string& text, std::size_t width) {
+  std::vector<std::string> lines(1);
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    if (!lines.back().empty() &&
+        lines.back().size() + 1 + word.size() > width) {
+      lines.emplace_back();
+    }
+    lines.back() += (lines.back().empty() ? "" : " ") + word;
+  }
+  return lines;
 }
 
 // The lines of each cell of a row.

@@ -1,11 +1,12 @@
 #include "bench/sections/options.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <functional>
-#include <iostream>
 #include <limits>
+#include <memory>
+#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -22,73 +23,6 @@ constexpr std::size_t kMostObjects = std::size_t{1} << 30;
 constexpr std::size_t kMostQueries = std::size_t{1} << 20;
 constexpr std::size_t kMostRepetitions = 1000;
 
-// Stores the value of an option. Returns what is wrong with it; else nothing.
-using Take = std::function<std::string(const std::string& value)>;
-
-struct Option {
-  const char* name;
-  const char* value;  // what --help calls it; empty: the option has none
-  std::string help;
-  Take take;
-  bool may_repeat = false;
-};
-
-Take Switch(bool& flag) {
-  return [&flag](const std::string&) {
-    flag = true;
-    return "";
-  };
-}
-
-Take FileName(std::string& to) {
-  return [&to](const std::string& name) {
-    to = name;
-    return name.empty() ? "an empty file name" : "";
-  };
-}
-
-// Whether a number is all of the text. Decimal: 010 is ten, and 0x10 nothing.
-template <typename Number>
-bool IsNumber(const std::string& text, Number& number) {
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, number);
-  return error == std::errc() && stop == end;
-}
-
-// 1e6 is a whole number, too.
-template <typename T>
-Take Whole(T& to, std::uint64_t least, std::uint64_t most) {
-  return [=, &to](const std::string& text) -> std::string {
-    std::uint64_t whole = 0;
-    bool is_whole = IsNumber(text, whole);
-    double value = 0;
-    // Further up, not every whole number is a double.
-    if (!is_whole && IsNumber(text, value) && value >= 0 && value < 0x1p53 &&
-        value == std::floor(value)) {
-      whole = static_cast<std::uint64_t>(value);
-      is_whole = true;
-    }
-    if (!is_whole || whole < least || whole > most) {
-      return "\"" + text + "\" is not a whole number from " +
-             std::to_string(least) + " to " + std::to_string(most);
-    }
-    to = whole;
-    return {};
-  };
-}
-
-template <typename T>
-Take Above0UpTo(T& to, double most) {
-  return [=, &to](const std::string& text) -> std::string {
-    double value = 0;
-    if (!IsNumber(text, value) || !(value > 0 && value <= most)) {
-      return "\"" + text + "\" is not a number above 0 up to " + Fixed(most, 0);
-    }
-    to = value;
-    return {};
-  };
-}
-
 std::string SupportedTargetNames() {
   std::string names;
   for (Target target : SupportedTargets()) {
@@ -98,13 +32,77 @@ std::string SupportedTargetNames() {
   return names;
 }
 
-std::string TakeSections(const std::string& list,
-                         std::vector<std::string>& sections) {
-  for (std::size_t begin = 0; begin <= list.size();) {
-    const std::size_t end = std::min(list.find(',', begin), list.size());
-    sections.push_back(list.substr(begin, end - begin));
-    begin = end + 1;
-    const std::string& name = sections.back();
+std::string CheckTarget(const std::string& name) {
+  if (FindTarget(name)) return {};
+  return "\"" + name + "\" is not supported here; choose one of " +
+         SupportedTargetNames();
+}
+
+// Decimal: 010 is ten, and 0x10 nothing. 1e6 is a whole number, too.
+std::optional<std::uint64_t> ParseWhole(std::string_view text) {
+  const char* const end = text.data() + text.size();
+  const auto is_all = [end](const std::from_chars_result& result) {
+    return result.ec == std::errc() && result.ptr == end;
+  };
+  std::uint64_t whole = 0;
+  if (is_all(std::from_chars(text.data(), end, whole))) return whole;
+  double value = 0;
+  if (!is_all(std::from_chars(text.data(), end, value))) return std::nullopt;
+  // Further up, not every whole number is a double.
+  const bool is_exact =
+      value >= 0 && value < 0x1p53 && value == std::floor(value);
+  if (!is_exact) return std::nullopt;
+  return static_cast<std::uint64_t>(value);
+}
+
+// Leaves plain digits for CLI11, which would read others as octal.
+CLI::Validator Whole(std::uint64_t least, std::uint64_t most) {
+  const std::string range =
+      std::to_string(least) + " to " + std::to_string(most);
+  const auto check = [=](std::string& text) -> std::string {
+    const std::optional<std::uint64_t> number = ParseWhole(text);
+    if (!number || *number < least || *number > most) {
+      return "\"" + text + "\" is not a whole number from " + range;
+    }
+    text = std::to_string(*number);
+    return {};
+  };
+  return CLI::Validator(check, range);
+}
+
+// CLI::Range would let NaN pass.
+CLI::Validator Above0UpTo(double most) {
+  const std::string range = "above 0 up to " + Fixed(most, 0);
+  const auto check = [=](const std::string& text) -> std::string {
+    const char* const end = text.data() + text.size();
+    double value = 0;
+    const auto [stop, error] = std::from_chars(text.data(), end, value);
+    const bool is_within =
+        error == std::errc() && stop == end && value > 0 && value <= most;
+    return is_within ? "" : "\"" + text + "\" is not a number " + range;
+  };
+  return CLI::Validator(check, range);
+}
+
+std::string CheckFileName(const std::string& name) {
+  return name.empty() ? "an empty file name" : "";
+}
+
+// Empty pieces, too, which the delimiters of CLI11 drop.
+std::vector<std::string> SplitAtCommas(const std::string& list) {
+  std::vector<std::string> pieces(1);
+  for (char c : list) {
+    if (c == ',') {
+      pieces.emplace_back();
+    } else {
+      pieces.back() += c;
+    }
+  }
+  return pieces;
+}
+
+std::string CheckSections(const std::string& list) {
+  for (const std::string& name : SplitAtCommas(list)) {
     const bool is_section = std::any_of(
         ThisProgram().sections.begin(), ThisProgram().sections.end(),
         [&](const Section& each) { return each.name == name; });
@@ -115,65 +113,30 @@ std::string TakeSections(const std::string& list,
   return {};
 }
 
-std::vector<Option> OptionsOf(BenchOptions& options) {
-  return {
-      {"--quick", "", "Smaller scene, fewer repetitions: about 40 seconds",
-       Switch(options.is_quick)},
-      {"--details", "SECTION,...", "Sections to measure at length, or \"all\"",
-       [&options](const std::string& list) {
-         return TakeSections(list, options.details);
-       },
-       /*may_repeat=*/true},
-      {"--mesh", "FILE.obj", "Measure on triangles of a Wavefront OBJ file",
-       FileName(options.mesh)},
-      {"--bounds", "FILE.csv", "Measure on minx,miny,minz,maxx,maxy,maxz",
-       FileName(options.bounds)},
-      {"--query-bounds", "FILE.csv", "Query with these boxes",
-       FileName(options.query_bounds)},
-      {"--query-size", "PERCENT", "Query with random boxes of this size",
-       Above0UpTo(options.query_size, 100)},
-      {"--objects", "N", "Objects in the scene (default 4194304)",
-       Whole(options.objects, 64, kMostObjects)},
-      {"--queries", "N", "Queries to count with, and to time",
-       Whole(options.queries, 1, kMostQueries)},
-      {"--seed", "N", "Seed of the scene and of --query-size (default 1)",
-       Whole(options.seed, 0, std::numeric_limits<std::uint64_t>::max())},
-      {"--target", "NAME", "Only this target: " + SupportedTargetNames(),
-       [&options](const std::string& name) {
-         options.target = name;
-         return FindTarget(name)
-                    ? ""
-                    : "\"" + name + "\" is not supported here; " +
-                          "choose one of " + SupportedTargetNames();
-       }},
-      {"--repetitions", "N", "Repetitions of every measurement",
-       Whole(options.repetitions, 1, kMostRepetitions)},
-      {"--exact-ns", "NS", "Time of your exact test of one survivor",
-       Above0UpTo(options.exact_ns, 1e9)},
-      {"--strict", "", "Exit with 4 if something disturbed the run",
-       Switch(options.is_strict)},
-      {"--format", "text|json", "The form of the report, text by default",
-       [&options](const std::string& name) {
-         options.format = name == "json" ? Format::kJson : Format::kText;
-         return name == "json" || name == "text"
-                    ? ""
-                    : "\"" + name + "\" is neither text nor json";
-       }},
-      {"--out", "FILE", "Write the report to this file", FileName(options.out)},
-      {"--list", "", "List the sections and exit", Switch(options.is_list)},
-      {"--version", "", "Print the version and exit", {}},
-      {"--help", "", "Print this text and exit, as -h does", {}}};
-}
-
-void PrintHelp(const std::vector<Option>& options) {
-  std::cout << ThisProgram().what << "\nUsage: " << ThisProgram().name
-            << " [OPTION...]; the manual page explains them\n\n";
-  for (const Option& option : options) {
-    std::string head = std::string("  ") + option.name + ' ' + option.value;
-    head.resize(std::max<std::size_t>(head.size() + 1, 26), ' ');
-    std::cout << head << option.help << '\n';
+// --help in 80 columns.
+class Help : public CLI::Formatter {
+ public:
+  std::string make_option(const CLI::Option* option,
+                          bool is_positional) const override {
+    constexpr std::size_t kIndent = 24;
+    constexpr std::size_t kWidth = 80;
+    std::string text = "  " + make_option_name(option, is_positional);
+    if (option->get_type_size() != 0) text += ' ' + option->get_type_name();
+    std::size_t column = text.size();
+    if (column >= kIndent) column = kWidth;  // begins on a new line
+    std::istringstream words(option->get_description());
+    for (std::string word; words >> word;) {
+      if (column + 1 + word.size() > kWidth) {
+        text += '\n';
+        column = 0;
+      }
+      const std::size_t gap = column < kIndent ? kIndent - column : 1;
+      text.append(gap, ' ') += word;
+      column += gap + word.size();
+    }
+    return text + '\n';
   }
-}
+};
 
 }  // namespace
 
@@ -187,10 +150,9 @@ std::string BenchOptions::Scope() const {
   if (!bounds.empty()) add("--bounds " + bounds);
   if (!query_bounds.empty()) add("--query-bounds " + query_bounds);
   if (query_size != 0) {
-    std::string size = Fixed(query_size, 6);
-    size.erase(size.find_last_not_of('0') + 1);
-    if (size.back() == '.') size.pop_back();
-    add("--query-size " + size);
+    std::ostringstream size;
+    size << query_size;
+    add("--query-size " + size.str());
   }
   if (objects != 0) add("--objects " + std::to_string(objects));
   if (queries != 0) add("--queries " + std::to_string(queries));
@@ -213,62 +175,104 @@ bool BenchOptions::Wants(std::string_view section) const {
 }
 
 bool ParseOptions(int argc, char** argv, BenchOptions& options) {
-  const std::vector<Option> all = OptionsOf(options);
-  std::vector<std::string> given;
-  const auto is_given = [&given](std::string_view name) {
-    return std::find(given.begin(), given.end(), name) != given.end();
-  };
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    options.command += (i == 1 ? "" : " ") + word;
-    const std::size_t equals = std::min(word.find('='), word.size());
-    const std::string name = word == "-h" ? "--help" : word.substr(0, equals);
-    const auto option =
-        std::find_if(all.begin(), all.end(),
-                     [&](const Option& each) { return each.name == name; });
-    const auto fail = [&](const std::string& why) {
-      throw UsageError(name + ": " + why + "; --help lists the options");
-    };
-    if (option == all.end()) fail("there is no such option");
-    if (is_given(name) && !option->may_repeat) fail("it is given twice");
-    given.push_back(name);
-    std::string value;
-    if (*option->value == '\0') {
-      if (equals != word.size()) fail("it takes no value");
-    } else if (equals != word.size()) {
-      value = word.substr(equals + 1);
-    } else if (i + 1 == argc ||
-               std::string_view(argv[i + 1]).starts_with("--")) {
-      fail(std::string("it needs a value, ") + option->value);
-    } else {
-      value = argv[++i];
-      options.command += " " + value;
+  CLI::App app{ThisProgram().what};
+  app.name(ThisProgram().name);
+  app.formatter(std::make_shared<Help>());
+  app.set_version_flag(
+      "--version",
+      std::string(ThisProgram().name) + " " + HALFSPACE_VERSION_STRING,
+      "Print the version and exit");
+  app.add_flag("--quick", options.is_quick,
+               "Use a smaller scene and fewer repetitions: about 40 seconds");
+  std::vector<std::string> lists;
+  app.add_option(
+         "--details", lists,
+         "Measure these sections at length and print their tables; "
+         "separated by commas; see --list. \"all\" takes 5 to 15 minutes")
+      ->check(CheckSections)
+      ->type_name("SECTION,...");
+  auto* mesh =
+      app.add_option("--mesh", options.mesh,
+                     "Measure on the triangles of a Wavefront OBJ file")
+          ->check(CheckFileName)
+          ->type_name("FILE.obj");
+  app.add_option("--bounds", options.bounds,
+                 "Measure on boxes: rows minx,miny,minz,maxx,maxy,maxz")
+      ->check(CheckFileName)
+      ->type_name("FILE.csv")
+      ->excludes(mesh);
+  auto* query_bounds =
+      app.add_option("--query-bounds", options.query_bounds,
+                     "Query with these boxes, not with those of --mesh or "
+                     "--bounds")
+          ->check(CheckFileName)
+          ->type_name("FILE.csv");
+  app.add_option("--query-size", options.query_size,
+                 "Query with random boxes whose sides are this percentage of "
+                 "the sides of the box around --mesh or --bounds")
+      ->check(Above0UpTo(100))
+      ->type_name("PERCENT")
+      ->excludes(query_bounds);
+  app.add_option("--objects", options.objects,
+                 "Objects in the scene (default 4194304)")
+      ->transform(Whole(64, kMostObjects))
+      ->type_name("N");
+  app.add_option("--queries", options.queries,
+                 "Queries (default 20000 to time; 128 to count survivors, with "
+                 "a file 256 or a few more)")
+      ->transform(Whole(1, kMostQueries))
+      ->type_name("N");
+  app.add_option("--seed", options.seed,
+                 "Seed of the scene and of --query-size (default 1)")
+      ->transform(Whole(0, std::numeric_limits<std::uint64_t>::max()))
+      ->type_name("N");
+  app.add_option("--target", options.target,
+                 "Measure this target only: " + SupportedTargetNames())
+      ->check(CheckTarget)
+      ->type_name("NAME");
+  app.add_option("--repetitions", options.repetitions,
+                 "Repetitions of every measurement (default 5, with --details "
+                 "7, with --quick 3)")
+      ->transform(Whole(1, kMostRepetitions))
+      ->type_name("N");
+  app.add_option("--exact-ns", options.exact_ns,
+                 "Time of your exact test of one survivor (default: measured, "
+                 "of two triangles)")
+      ->check(Above0UpTo(1e9))
+      ->type_name("NS");
+  app.add_flag("--strict", options.is_strict,
+               "Exit with 4 if something disturbed the run");
+  std::string format = "text";
+  app.add_option("--format", format, "The form of the report, text by default")
+      ->check(CLI::IsMember({"text", "json"}).description(""))
+      ->type_name("text|json");
+  app.add_option("--out", options.out, "Write the report to this file")
+      ->check(CheckFileName)
+      ->type_name("FILE");
+  app.add_flag("--list", options.is_list, "List the sections and exit");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() != 0) {
+      throw UsageError(std::string(error.what()) +
+                       "; --help lists the options");
     }
-    if (option->take) {
-      const std::string wrong = option->take(value);
-      if (!wrong.empty()) fail(wrong);
-    }
-  }
-  if (is_given("--help")) {
-    PrintHelp(all);
+    app.exit(error);
     return false;
-  }
-  if (is_given("--version")) {
-    std::cout << ThisProgram().name << ' ' << HALFSPACE_VERSION_STRING << '\n';
-    return false;
-  }
-  for (const auto& [one, other] :
-       {std::pair("--mesh", "--bounds"),
-        std::pair("--query-bounds", "--query-size")}) {
-    if (is_given(one) && is_given(other)) {
-      throw UsageError(std::string(one) + " excludes " + other);
-    }
   }
   if (options.mesh.empty() && options.bounds.empty() &&
-      (is_given("--query-bounds") || is_given("--query-size"))) {
+      (!options.query_bounds.empty() || options.query_size != 0)) {
     throw UsageError(
         "--query-bounds and --query-size are for a file; give --mesh or "
         "--bounds");
+  }
+  for (int i = 1; i < argc; ++i) {
+    options.command += (i == 1 ? "" : " ") + std::string(argv[i]);
+  }
+  for (const std::string& list : lists) {
+    for (std::string& section : SplitAtCommas(list)) {
+      options.details.push_back(std::move(section));
+    }
   }
   // A program without a page runs all of its sections.
   if (options.details.empty() &&
@@ -277,6 +281,7 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
           [](const Section& each) { return (each.flags & kPage) != 0; })) {
     options.details.emplace_back(kAllSections);
   }
+  options.format = format == "json" ? Format::kJson : Format::kText;
   return true;
 }
 

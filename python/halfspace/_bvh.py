@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import mmap
 import os
 import pickle
@@ -66,8 +67,9 @@ class BVH:
 
     Every call releases the interpreter's lock, so threads can query one tree at
     the same time. A change while another thread uses the tree raises
-    RuntimeError. Ctrl-C ends a long build, refit, query or join. It does not end
-    `insert`, `insert_as`, `erase`, `save` or the check of a blob.
+    RuntimeError, except in `with tree.changing():`. Ctrl-C ends a long build,
+    refit, query or join. It does not end `insert`, `insert_as`, `erase`, `save` or
+    the check of a blob.
     """
 
     __slots__ = ("_tree", "__weakref__")
@@ -579,6 +581,27 @@ class BVH:
                 f"the tree, got {table.length}"
             )
         self._tree.refit(table.arrays, _arrays.threads(threads), progress)
+
+    @contextlib.contextmanager
+    def changing(self) -> Iterator[None]:
+        """Changes the tree while other threads use it: `with tree.changing():`.
+
+        Waits until no other thread reads or changes the tree. From then on to the
+        end of the block, the calls of other threads wait. Those of this thread do
+        not. Blocks of one thread can be nested. Raises RuntimeError in a `progress`
+        function of the same tree.
+
+        >>> import halfspace as hs
+        >>> tree = hs.BVH([[0, 0, 1, 1], [2, 2, 3, 3]])
+        >>> with tree.changing():
+        ...     tree.erase(0)
+        ...     tree.refit([5, 5, 6, 6], 1)
+        """
+        self._tree.own()
+        try:
+            yield
+        finally:
+            self._tree.disown()
 
     def __len__(self) -> int:
         """The number of objects."""

@@ -2,8 +2,11 @@
 #include <pybind11/numpy.h>
 
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <numeric>
 #include <span>
 #include <stdexcept>
@@ -25,17 +28,71 @@ constexpr std::size_t kPartLeaves = 16;
 using Bvh = std::unique_ptr<hs_bvh, Destroy<&hs_bvh_destroy>>;
 
 // Calls run without the interpreter's lock, so another thread can call the same
-// object. Its counters are read and written with the lock.
+// object. Its members are read and written with the lock.
 struct Tree {
   py::object blob;  // the bytes, if they are in place
   Bvh bvh;
   std::size_t dims = 3;
-  std::size_t readers = 0;  // calls that read now
-  std::size_t exports = 0;  // blobs that Python objects refer to
-  bool is_changing = false;
-  bool is_half_refitted = false;  // an exception ended Refit()
-  std::size_t changes = 0;        // so far
+  std::vector<unsigned long> readers;  // the threads of calls that read now
+  unsigned long changer = 0;           // the thread of the call that changes it
+  unsigned long owner = 0;             // the thread that called Own()
+  std::size_t owned = 0;               // how often
+  bool owner_waits = false;            // for the calls that run
+  std::size_t exports = 0;             // blobs that Python objects refer to
+  bool is_half_refitted = false;       // an exception ended Refit()
+  std::size_t changes = 0;             // so far
+
+  bool IsReadBy(unsigned long thread) const {
+    return std::find(readers.begin(), readers.end(), thread) != readers.end();
+  }
+  // Whether a call of the thread waits. One that is inside of another, in a
+  // function of the caller's, does not: the owner waits for the other.
+  bool IsClosedTo(unsigned long thread) const {
+    return owner != 0 && owner != thread && changer != thread &&
+           !IsReadBy(thread);
+  }
 };
+
+// Sleeps until a thread calls WakeAll(). Ctrl-C ends it.
+struct Waiters {
+  std::mutex mutex;
+  std::condition_variable condition;
+  std::size_t wakes = 0;
+
+  template <typename Condition>
+  void WaitUntil(const Condition& holds) {
+    while (!holds()) {
+      const std::size_t seen = wakes;  // changes with the interpreter's lock
+      {
+        const py::gil_scoped_release release;
+        std::unique_lock lock(mutex);
+        condition.wait_for(lock, std::chrono::milliseconds(50),
+                           [&] { return wakes != seen; });
+      }
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    }
+  }
+
+  void WakeAll() {
+    const std::scoped_lock lock(mutex);
+    ++wakes;
+    condition.notify_all();
+  }
+};
+
+Waiters& TheWaiters() {
+  static Waiters waiters;
+  return waiters;
+}
+
+// For both at the same time, so that nobody waits for a call that waits.
+void WaitUntilOpen(const Tree& tree, const Tree& other) {
+  if (tree.owner == 0 && other.owner == 0) return;
+  const unsigned long self = PyThread_get_thread_ident();
+  TheWaiters().WaitUntil(
+      [&] { return !tree.IsClosedTo(self) && !other.IsClosedTo(self); });
+}
+void WaitUntilOpen(const Tree& tree) { WaitUntilOpen(tree, tree); }
 
 void CheckRefitted(const Tree& tree) {
   if (!tree.is_half_refitted) return;
@@ -44,40 +101,80 @@ void CheckRefitted(const Tree& tree) {
       "before any other call");
 }
 
-// Exists while a call reads a tree. The constructor throws if another call
-// changes the tree.
+// Exists while a call reads a tree. The constructor waits for the owner, and
+// throws if another call changes the tree.
 struct Reading {
   explicit Reading(Tree& its_tree, bool is_refit = false) : tree(its_tree) {
-    if (tree.is_changing) {
+    WaitUntilOpen(tree);
+    if (tree.changer != 0) {
       throw std::runtime_error(
           "another call is changing this BVH: wait until it has finished");
     }
     if (!is_refit) CheckRefitted(tree);
-    ++tree.readers;
+    tree.readers.push_back(thread);
   }
   Reading(const Reading&) = delete;
-  ~Reading() { --tree.readers; }
+  ~Reading() {
+    // Those of one thread are equal.
+    *std::find(tree.readers.begin(), tree.readers.end(), thread) =
+        tree.readers.back();
+    tree.readers.pop_back();
+    if (tree.owner_waits && tree.readers.empty()) TheWaiters().WakeAll();
+  }
 
   Tree& tree;
+  unsigned long thread = PyThread_get_thread_ident();
 };
 
-// Calls change() without the interpreter's lock. Throws if another call uses
-// the tree, or if Python objects refer to its blob.
+void Disown(Tree& tree) {
+  if (--tree.owned != 0) return;
+  tree.owner = 0;
+  TheWaiters().WakeAll();
+}
+
+// Makes all other threads wait, and waits for the calls that run now.
+void Own(Tree& tree) {
+  const unsigned long self = PyThread_get_thread_ident();
+  if (tree.changer == self || tree.IsReadBy(self)) {
+    throw std::runtime_error(
+        "changing() was called inside of a call of the same BVH");
+  }
+  WaitUntilOpen(tree);
+  tree.owner = self;
+  ++tree.owned;
+  tree.owner_waits = true;
+  try {
+    TheWaiters().WaitUntil(
+        [&] { return tree.readers.empty() && tree.changer == 0; });
+    tree.owner_waits = false;
+  } catch (...) {
+    tree.owner_waits = false;
+    Disown(tree);
+    throw;
+  }
+}
+
+// Calls change() without the interpreter's lock. Waits for the owner. Throws if
+// another call uses the tree, or if Python objects refer to its blob.
 template <typename Function>
 void Change(Tree& tree, const Function& change, bool is_refit = false) {
-  if (tree.is_changing || tree.readers > 0) {
+  WaitUntilOpen(tree);
+  if (tree.changer != 0 || !tree.readers.empty()) {
     throw std::runtime_error(
         "another call is using this BVH: wait until it has finished before "
-        "you change the BVH");
+        "you change the BVH, or change it in `with tree.changing():`");
   }
   if (tree.exports > 0) {
     throw py::buffer_error(
         "the blob of this BVH is in use: release it before you change the BVH");
   }
   if (!is_refit) CheckRefitted(tree);
-  const auto end = [](Tree* its) { its->is_changing = false; };
+  const auto end = [](Tree* its) {
+    its->changer = 0;
+    if (its->owner_waits) TheWaiters().WakeAll();
+  };
   const std::unique_ptr<Tree, decltype(end)> changing(&tree, end);
-  tree.is_changing = true;
+  tree.changer = PyThread_get_thread_ident();
   if (is_refit) ++tree.changes;  // also if an exception ends it
   {
     const py::gil_scoped_release release;
@@ -338,6 +435,7 @@ py::tuple Cast(Tree& tree, const py::tuple& starts, const py::tuple& motions,
 Ids PairsOf(Tree& tree, Tree* b, std::size_t threads, py::object progress) {
   Work work(threads, std::move(progress));
   const auto results = [&] {
+    WaitUntilOpen(tree, b == nullptr ? tree : *b);
     const Reading reading(tree);
     const Reading reading_b(b == nullptr ? tree : *b);
     const py::gil_scoped_release release;
@@ -444,6 +542,8 @@ void DefineTree(py::module_& module) {
       .def("erase", &Erase)
       .def("refit", &Refit)
       .def("refit_some", &SetSome<&hs_bvh_set>)
+      .def("own", &Own)
+      .def("disown", &Disown)
       .def("bounds", &BoundsOf)
       .def("boxes", &Boxes)
       .def("size", &Ask<&hs_bvh_size>)

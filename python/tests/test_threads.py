@@ -128,6 +128,68 @@ def test_a_query_during_a_change(rng):
     tree.query(boxes)
 
 
+def test_changing_waits_and_makes_wait(rng):
+    """Readers see the tree before a change or after it, and no call fails."""
+    low = rng.random((20_000, 3))
+    tree, other = hs.BVH(np.hstack([low, low])), hs.BVH([[0] * 3 + [9] * 3])
+    stop = threading.Event()
+    counts, errors = set(), []
+
+    def run(calls):
+        try:
+            while not stop.is_set():
+                counts.update(call() for call in calls)
+        except Exception as error:
+            errors.append(error)
+
+    everything = np.array([-1.0] * 3 + [9] * 3)
+    readers = [
+        lambda: tree.count(everything),
+        lambda: len(tree.query(everything)),
+        lambda: len(hs.join(tree, other)[0]),
+        lambda: len(hs.join(other, tree)[0]),
+        lambda: len(tree),
+    ]
+    threads = [threading.Thread(target=run, args=[readers[i:]]) for i in range(3)]
+    for thread in threads:
+        thread.start()
+
+    def change():
+        with tree.changing():
+            with tree.changing():
+                ids = tree.insert(np.hstack([low[:50], low[:50]]))
+            tree.refit(tree.boxes(ids) + 1, ids)
+            assert tree.count(everything) == 20_050
+            tree.erase(ids)
+        return 20_000
+
+    changers = threading.Thread(target=run, args=[[change]])
+    changers.start()
+    for _ in range(20):
+        change()
+    stop.set()
+    for thread in [*threads, changers]:
+        thread.join(60)
+        assert not thread.is_alive()
+    assert not errors and counts == {20_000}
+
+
+def test_changing_within_a_call(rng):
+    tree = hs.BVH(random_boxes(rng, 1000, 3))
+    seen = []
+
+    def progress(done, total):
+        with pytest.raises(RuntimeError, match="inside of a call"), tree.changing():
+            pass
+        seen.append(done)
+
+    tree.refit(tree.boxes(), progress=progress)
+    with pytest.raises(KeyError), tree.changing():
+        raise KeyError
+    tree.erase(0)
+    assert seen
+
+
 def test_an_interrupted_refit_must_be_repeated(rng):
     boxes = random_boxes(rng, 1_000_000, 3, 0.01)
     doubles = boxes.astype(float)

@@ -129,6 +129,8 @@ static void test_structs(void) {
 }
 
 static void test_columns(void) {
+  const size_t end = 2;
+  float bounds[8];
   const hs_bvh_config config = bvh_config_of(HS_BOX3);
   hs_columns columns = hs_float_rows(kBoxes, 2, 6);
   hs_builder* builder = NULL;
@@ -171,11 +173,28 @@ static void test_columns(void) {
   INVALID(hs_builder_push, (builder, &columns),
           "objects: expected fewer than 2^31 objects in all, got 2147483648");
   hs_builder_destroy(builder);
+  // Of point sets, coordinates that are apart and have a stride.
+  columns = hs_float_rows(kBoxes, 2, 3);
+  columns.column[1] = kBoxes + 2;
+  CHECK_FAILS(
+      hs_bound_point_sets(HS_BOX2, &columns, &end, 1, NULL, bounds, NULL),
+      HS_UNSUPPORTED,
+      "hs_bound_point_sets: points: expected adjacent coordinates or a stride "
+      "of 1, got columns apart with a stride of 3: copy the points");
+  // Each for itself they are bounded.
+  CHECK_OK(hs_bound_points(HS_BOX2, &columns, NULL, bounds, NULL));
   // The stride of one record is not used.
-  columns.count = 1;
+  columns = hs_float_rows(kBoxes, 1, 6);
   columns.stride = SIZE_MAX;
   CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
   hs_bvh_destroy(bvh);
+}
+
+static void* no_memory(void* context, size_t bytes, size_t alignment) {
+  (void)context;
+  (void)bytes;
+  (void)alignment;
+  return NULL;
 }
 
 static void test_configurations(void) {
@@ -185,6 +204,7 @@ static void test_configurations(void) {
   hs_bvh* bvh = NULL;
   hs_builder* builder = NULL;
   hs_scan* scan = NULL;
+  hs_pair_events* events = NULL;
   float bounds[8];
   CHECK(hs_bound_values((hs_kind)7) == 0);
   INVALID(hs_bvh_create, (&config, &columns, &bvh),
@@ -203,35 +223,23 @@ static void test_configurations(void) {
           "config->target: expected null or a name of hs_target_name(), got "
           "\"avx9\"");
   config.target = NULL;
-  memcpy(&config.allocator.context, &scan, sizeof(scan));
+  // A context alone is no allocator.
+  config.allocator.context = &config;
   CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
   hs_bvh_destroy(bvh);
-  INVALID(hs_scan_create, (&scan_config, &columns, &scan),
-          "config->bits: expected 0, 8 or 16, got 9");
-  INVALID(hs_bvh_create, (&config, &columns, NULL),
-          "bvh: expected a pointer, got null");
-  CHECK(scan == NULL && builder == NULL);
-}
-
-static void* no_memory(void* context, size_t bytes, size_t alignment) {
-  (void)context;
-  (void)bytes;
-  (void)alignment;
-  return NULL;
-}
-
-static void test_allocators(void) {
-  const hs_columns columns = hs_float_rows(kBoxes, 2, 6);
-  hs_bvh_config config = bvh_config_of(HS_BOX3);
-  hs_bvh* bvh = NULL;
-  hs_pair_events* events = NULL;
+  bvh = NULL;
   config.allocator.allocate = no_memory;
   INVALID(hs_bvh_create, (&config, &columns, &bvh),
           "config->allocator: expected both functions or neither, got allocate "
           "alone");
-  CHECK(bvh == NULL);
   INVALID(hs_pair_events_create, (&config.allocator, &events),
           "allocator: expected both functions or neither, got allocate alone");
+  config.allocator.allocate = NULL;
+  INVALID(hs_scan_create, (&scan_config, &columns, &scan),
+          "config->bits: expected 0, 8 or 16, got 9");
+  INVALID(hs_bvh_create, (&config, &columns, NULL),
+          "bvh: expected a pointer, got null");
+  CHECK(bvh == NULL && scan == NULL && builder == NULL && events == NULL);
 }
 
 static hs_visit no_ids(void* context, size_t query, const uint32_t* ids,
@@ -302,9 +310,6 @@ static void test_handles_and_outputs(void) {
           "bvh: expected a pointer, got null");
   INVALID(hs_bvh_erase, (bvh, ids, 2),
           "ids[1]: expected the id of an object, got 7");
-  CHECK(strcmp(hs_last_error_argument(), "ids[1]") == 0);
-  CHECK(strcmp(hs_last_error_reason(), "expected the id of an object, got 7") ==
-        0);
   INVALID(hs_bvh_set, (bvh, ids, &columns),
           "ids[1]: expected the id of an object, got 7");
   CHECK_OK(hs_bvh_size(bvh, &total));
@@ -355,7 +360,6 @@ static void test_handles_and_outputs(void) {
   INVALID(hs_bvh_raycast, (bvh, &rays, 0, NULL, ids, NULL),
           "rays->type: expected HS_FLOAT32, as these cannot be rounded "
           "outward, got HS_FLOAT64");
-  CHECK(strcmp(hs_last_error_argument(), "rays->type") == 0);
   INVALID(hs_bvh_raycast_each, (bvh, &rays, 0, NULL, NULL, NULL),
           "function: expected a pointer, got null");
 
@@ -382,7 +386,6 @@ static void test_handles_and_outputs(void) {
   INVALID(hs_bvh_pairs, (simplex, NULL, &pair, 1, &total),
           "expected BVHs of boxes or octahedra, got simplices, which have no "
           "planes that face each other");
-  CHECK(strcmp(hs_last_error_argument(), "") == 0);
   CHECK_OK(hs_pair_options_default(&pair_options, sizeof(pair_options)));
   CHECK_OK(hs_query_options_default(&options, sizeof(options)));
   CHECK_OK(hs_bound_options_default(&bound_options, sizeof(bound_options)));
@@ -556,7 +559,6 @@ void test_errors(void) {
   test_structs();
   test_columns();
   test_configurations();
-  test_allocators();
   test_handles_and_outputs();
   test_bodies();
 }

@@ -107,7 +107,6 @@ static void test_bad_files(const void* blob, size_t size) {
   unsigned char* const altered = malloc(size);
   const size_t cuts[] = {1, 63, 64, 65, size / 2, size - 1};
   hs_bvh* bvh = NULL;
-  uint32_t id = 1;
   size_t i;
   memcpy(altered, blob, size);
   write_file(blob, size);
@@ -141,25 +140,6 @@ static void test_bad_files(const void* blob, size_t size) {
   (void)count_all(bvh);
   CHECK(hs_bvh_verify(bvh) == HS_CORRUPT);
   destroy(&bvh);
-
-  // Every part of the header and the body: no access outside, whatever a call
-  // returns.
-  for (i = 0; i < size; i += i < 256 ? 1 : 997) {
-    bvh = NULL;
-    memcpy(altered, blob, size);
-    altered[i] ^= 0x55;
-    write_file(altered, size);
-    if (hs_bvh_map(&config, kPath, &bvh) != HS_OK) {
-      CHECK(bvh == NULL);
-      continue;
-    }
-    (void)count_all(bvh);
-    CHECK(hs_bvh_verify(bvh) == HS_CORRUPT);
-    id = 1;
-    (void)hs_bvh_erase(bvh, &id, 1);
-    (void)count_all(bvh);
-    destroy(&bvh);
-  }
   free(altered);
 }
 

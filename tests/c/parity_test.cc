@@ -325,11 +325,12 @@ void TestBuilders() {
         BoundTriangles(Points<kDims, T>{rows, points.count()}, corners,
                        rest...);
       });
-  // Sets of 0 to 2 points.
+  // Sets of 0 to 2 points, and some that end too late or begin too late.
   std::vector<std::size_t> ends;
   for (std::size_t end = 0; ends.size() < 450;)
     ends.push_back(end += random.Below(3));
   const Records of_sets = RandomNumbers(ends.back(), kD, 7);
+  for (std::size_t i = 20; i < 450; i += 40) ends[i] = random.Below(600);
   CheckBuilder<kDims>(
       of_sets, ends.size(),
       [&](hs_kind kind, const hs_columns* columns, auto... rest) {

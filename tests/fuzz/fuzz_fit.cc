@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "tests/fuzz/bytes.h"
-#include "tests/fuzz/caller_mode.h"
 #include "tests/fuzz/print.h"
 #include "tests/fuzz/run_input.h"
 #include "tests/library/fit/builders.h"
 #include "tests/library/fit/exact_answers.h"
+#include "tests/library/support/fp_modes.h"
 
 namespace halfspace::testing {
 namespace {
@@ -33,7 +33,8 @@ const std::vector<Builder>& Rows() {
 class FitInput {
  public:
   explicit FitInput(Bytes& bytes)
-      : mode_(bytes), builder_(Rows()[bytes.Below(Rows().size())]) {
+      : mode_(kFpModes[bytes.Below(5)]),
+        builder_(Rows()[bytes.Below(Rows().size())]) {
     if (builder_.kind == Kind::kFrustum) {
       FillFrustum(bytes);
       return;
@@ -58,7 +59,7 @@ class FitInput {
     Shape shape = shape_;
     if (MovesVertices()) SetPlanesOfVertices(builder_, vertices_, shape);
     Outcome outcome;
-    mode_.Run([&] { outcome = Try(builder_, shape); });
+    RunIn(mode_, [&] { outcome = Try(builder_, shape); });
     auto result = MovesVertices() ? EnclosesMovedVertices(builder_, vertices_,
                                                           shape, outcome)
                                   : IsExact(builder_, shape, outcome);
@@ -74,7 +75,7 @@ class FitInput {
                << numbers(input.shape_.doubles) << ", vertices "
                << Print(std::span(input.vertices_.floats)
                             .first(3 * input.builder_.dims))
-               << ", in the mode " << input.mode_;
+               << ", in the mode " << static_cast<int>(input.mode_);
   }
 
  private:
@@ -146,7 +147,7 @@ class FitInput {
     }
   }
 
-  CallerMode mode_;
+  FpMode mode_;
   const Builder& builder_;
   Shape shape_;
   Shape vertices_;

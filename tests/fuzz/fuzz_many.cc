@@ -13,12 +13,12 @@
 #include <vector>
 
 #include "tests/fuzz/bytes.h"
-#include "tests/fuzz/caller_mode.h"
 #include "tests/fuzz/print.h"
 #include "tests/fuzz/run_input.h"
 #include "tests/library/fit_many/bound_of_one.h"
 #include "tests/library/fit_many/bulk.h"
 #include "tests/library/support/environment.h"
+#include "tests/library/support/fp_modes.h"
 
 namespace halfspace::testing {
 namespace {
@@ -31,7 +31,7 @@ const std::vector<Bulk>& Rows() {
 class Many {
  public:
   explicit Many(Bytes& bytes)
-      : mode_(bytes),
+      : mode_(kFpModes[bytes.Below(5)]),
         bulk_(Rows()[bytes.Below(Rows().size())]),
         layout_(kBulkLayouts[bytes.Below(kBulkLayouts.size())]),
         offset_(bytes.Below(16)),
@@ -104,7 +104,7 @@ class Many {
       options.target = target;
       FitStatus status;
       Target ran;
-      mode_.Run([&] { ran = source.Bound(output, options, &status); });
+      RunIn(mode_, [&] { ran = source.Bound(output, options, &status); });
       const auto wrong = [&] {
         return ::testing::AssertionFailure() << "on " << target.name() << ": ";
       };
@@ -139,8 +139,8 @@ class Many {
         << ", offset " << many.offset_ << ", planes " << many.wanted_
         << ", tightest " << many.options_.tightest << ", inverted "
         << static_cast<int>(many.options_.inverted) << ", bad index "
-        << many.bad_index_ << ", in the mode " << many.mode_ << "\nshapes "
-        << Print(many.choices_) << " of";
+        << many.bad_index_ << ", in the mode " << static_cast<int>(many.mode_)
+        << "\nshapes " << Print(many.choices_) << " of";
     for (const auto& shape : many.distinct_) out << ' ' << Print(shape);
     return out;
   }
@@ -175,7 +175,7 @@ class Many {
                : bulk_.Single(numbers);
   }
 
-  CallerMode mode_;
+  FpMode mode_;
   const Bulk& bulk_;
   FitOptions options_;
   BulkLayout layout_;

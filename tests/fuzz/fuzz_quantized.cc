@@ -16,11 +16,11 @@
 #include <vector>
 
 #include "tests/fuzz/bytes.h"
-#include "tests/fuzz/caller_mode.h"
 #include "tests/fuzz/print.h"
 #include "tests/fuzz/run_input.h"
 #include "tests/library/quantized/quantized_answers.h"
 #include "tests/library/support/environment.h"
+#include "tests/library/support/fp_modes.h"
 #include "tests/library/support/owners.h"
 
 namespace halfspace::testing {
@@ -69,7 +69,7 @@ class UpdatedQuantized {
  public:
   explicit UpdatedQuantized(Bytes& bytes)
       : row_(Rows()[bytes.Below(Rows().size())]),
-        mode_(bytes),
+        mode_(kFpModes[bytes.Below(5)]),
         size_(DecodeSize(bytes)),
         run_(std::size_t{1} << bytes.Below(8)),
         target_(DecodeTarget(bytes)),
@@ -103,7 +103,7 @@ class UpdatedQuantized {
     for (std::size_t i = 0; i < size_; ++i) model.push_back(BoundAt(i));
     const auto owner = row_.Make(model);
     for (std::size_t u = 0; u < updates_.size(); ++u) {
-      mode_.Run([&] { Apply(updates_[u], *owner, model); });
+      RunIn(mode_, [&] { Apply(updates_[u], *owner, model); });
       if (owner->size() != model.size()) {
         return ::testing::AssertionFailure()
                << "a wrong size, after update " << u;
@@ -117,9 +117,9 @@ class UpdatedQuantized {
   friend std::ostream& operator<<(std::ostream& out,
                                   const UpdatedQuantized& input) {
     out << input.row_ << ", " << input.size_ << " objects, runs of "
-        << input.run_ << ", updated in the mode " << input.mode_
-        << ", asked on " << input.target_.name() << ", " << input.many_
-        << " queries at once\n";
+        << input.run_ << ", updated in the mode "
+        << static_cast<int>(input.mode_) << ", asked on "
+        << input.target_.name() << ", " << input.many_ << " queries at once\n";
     for (std::size_t p = 0; p < input.planes_; ++p) {
       out << "plane " << p << ": of " << Print(input.palettes_[p])
           << ", each object " << input.steps_[p] << " ulps from the last\n";
@@ -233,7 +233,7 @@ class UpdatedQuantized {
 
   const OwnerRow& row_;
   const std::size_t planes_ = row_.layout.plane_count;
-  CallerMode mode_;
+  FpMode mode_;
   std::size_t size_;
   std::size_t run_;  // objects in a row that choose the same
   Target target_;

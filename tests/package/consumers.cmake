@@ -173,7 +173,7 @@ add_nested_build_test(package.subproject
 
 # Without an option there is only the library, which needs nothing but Highway.
 set(nothing_else "")
-foreach(package GTest Threads)
+foreach(package benchmark CLI11 GTest nlohmann_json Threads)
   list(APPEND nothing_else -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
 endforeach()
 add_nested_build_test(package.alone "${PROJECT_SOURCE_DIR}"

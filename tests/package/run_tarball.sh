@@ -52,7 +52,8 @@ done <needed
 # they refer to.
 doc=share/doc/halfspace
 licences=$doc/licences
-for file in bin/cpuinfo-bench-report "$doc/LICENSE" \
+for file in bin/cpuinfo-bench-report "$doc/LICENSE" "$licences/libbenchmark-dev" "$licences/libcli11-dev" \
+  "$licences/nlohmann-json3-dev" \
   "$licences/libstdc++6"* "$licences/libgcc-s1"*; do
   if [ ! -s "$file" ]; then
     echo "$file is not in the tarball"

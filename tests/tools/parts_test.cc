@@ -5,8 +5,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
@@ -48,32 +46,6 @@ TEST(MeasureTest, RefusesATimeOfZero) {
   Progress progress;
   EXPECT_THROW(Measure({nothing}, {.repetitions = 1}, progress),
                std::runtime_error);
-}
-
-TEST(MeasureTest, CachesAreThoseOfTheSystem) {
-  const std::filesystem::path folder =
-      std::filesystem::temp_directory_path() / "halfspace_caches";
-  struct Row {
-    const char* level;
-    const char* type;
-    const char* size;
-  };
-  std::size_t index = 0;
-  for (const Row& row : std::vector<Row>{{"1", "Data", "48K"},
-                                         {"1", "Instruction", "32K"},
-                                         {"3", "Unified", "32M"},
-                                         {"2", "Unified", "2048K"}}) {
-    const auto at = folder / ("index" + std::to_string(index++));
-    std::filesystem::create_directories(at);
-    std::ofstream(at / "level") << row.level << '\n';
-    std::ofstream(at / "type") << row.type << '\n';
-    std::ofstream(at / "size") << row.size << '\n';
-  }
-  Machine machine;
-  machine.caches = CachesIn(folder.string());
-  EXPECT_EQ(machine.CachesText(), "L1 48 KiB, L2 2048 KiB, L3 32768 KiB");
-  EXPECT_TRUE(CachesIn((folder / "none").string()).empty());
-  std::filesystem::remove_all(folder);
 }
 
 // The ceilings of scans and builders: they must move every byte.
@@ -159,11 +131,11 @@ TEST(WorkingSetTest, MemoryIsMemoryOnAnyMachine) {
     std::vector<Cache> caches;
     std::size_t bytes;  // of the simplex
   };
-  for (const Row& row :
-       std::vector<Row>{{{}, 256 * kMebibyte},
-                        {{{1, 32 << 10}, {2, kMebibyte}}, 256 * kMebibyte},
-                        {{{3, 32 * kMebibyte}}, 256 * kMebibyte},
-                        {{{3, 96 * kMebibyte}}, 384 * kMebibyte}}) {
+  for (const Row& row : std::vector<Row>{
+           {{}, 256 * kMebibyte},
+           {{{1, 32 << 10, 1}, {2, kMebibyte, 1}}, 256 * kMebibyte},
+           {{{3, 32 * kMebibyte, 8}}, 256 * kMebibyte},
+           {{{3, 96 * kMebibyte, 8}}, 384 * kMebibyte}}) {
     Machine machine;
     machine.caches = row.caches;
     const WorkingSetSize memory = WorkingSetSizes(machine).back();

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <initializer_list>
 #include <sstream>
 #include <string>
 
@@ -115,27 +114,6 @@ TEST(JsonTest, HasALineForEachRow) {
         R"({"name":"shape","key":true,"digits":0})",
         R"({"name":"time","unit":"ns","better":"lower","digits":3})"}) {
     EXPECT_NE(json.find(part), std::string::npos) << part << '\n' << json;
-  }
-}
-
-TEST(JsonTest, EscapesTextAndReplacesWhatIsNotUtf8) {
-  struct Row {
-    const char* text;
-    const char* json;
-  };
-  for (const Row& row : std::initializer_list<Row>{
-           {"\x01\t\\\x7f", R"(\u0001\u0009\\)"
-                            "\x7f"},
-           {"\u00df \u20ac \U0001f600", "\u00df \u20ac \U0001f600"},
-           {"a\xff\xc3", "a\ufffd\ufffd"},
-           {"\xc0\x80\xed\xa0\x80", "\ufffd\ufffd\ufffd\ufffd\ufffd"},
-           {"\xf4\x90\x80\x80", "\ufffd\ufffd\ufffd\ufffd"}}) {
-    Table table{"t", row.text, {Value("a")}};
-    table.Add({1.0});
-    EXPECT_NE(ToJson(Report{{}, {table}})
-                  .find(std::string(R"("title":")") + row.json + '"'),
-              std::string::npos)
-        << row.json;
   }
 }
 

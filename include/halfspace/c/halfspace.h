@@ -55,7 +55,16 @@
 // hs_broad_phase, which say so. Queries of scans and hierarchies allocate
 // nothing, except those of the pairs of a set, take no lock and use up to 64
 // KiB of stack. The floating-point mode of the calling thread has the effects
-// that reject.h and bvh.h describe.
+// that reject.h and bvh.h describe. To change a hierarchy while other threads
+// query it, lock it in the program, for example by POSIX:
+//
+//   pthread_rwlock_rdlock(&lock);  /* a query */
+//   hs_bvh_query(bvh, &queries, NULL, ids, room, NULL, &total);
+//   pthread_rwlock_unlock(&lock);
+//
+//   pthread_rwlock_wrlock(&lock);  /* a change, after all queries returned */
+//   hs_bvh_set(bvh, moved_ids, &moved_boxes);
+//   pthread_rwlock_unlock(&lock);
 //
 // The C++ headers describe each operation in more detail: fit_many.h, reject.h,
 // reject_many.h, quantized.h, bvh.h, bvh_nearest.h, bvh_pairs.h and

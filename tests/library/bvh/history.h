@@ -4,7 +4,6 @@
 #ifndef HALFSPACE_TESTS_LIBRARY_BVH_HISTORY_H_
 #define HALFSPACE_TESTS_LIBRARY_BVH_HISTORY_H_
 
-#include <cfenv>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -47,29 +46,6 @@ class RandomChoices final : public Choices {
   Spheres large_;
   Planes coincident_;
 };
-
-// The floating-point mode of the caller.
-enum class FpMode { kDefault, kTraps, kFlushes, kUpward, kDownward, kToZero };
-inline constexpr FpMode kFpModes[] = {FpMode::kDefault,  FpMode::kTraps,
-                                      FpMode::kFlushes,  FpMode::kUpward,
-                                      FpMode::kDownward, FpMode::kToZero};
-
-template <typename Call>
-void RunIn(FpMode mode, const Call& call) {
-  if (mode == FpMode::kTraps) {
-    const TrapExceptions traps;
-    call();
-  } else if (mode == FpMode::kFlushes) {
-    const FlushDenormals flush;
-    call();
-  } else {
-    const RoundingMode rounding(mode == FpMode::kUpward     ? FE_UPWARD
-                                : mode == FpMode::kDownward ? FE_DOWNWARD
-                                : mode == FpMode::kToZero   ? FE_TOWARDZERO
-                                                            : FE_TONEAREST);
-    call();
-  }
-}
 
 // Doubles that are rounded outward to these floats.
 BoundList InDoubles(const Layout& layout, std::vector<Planes> floats);

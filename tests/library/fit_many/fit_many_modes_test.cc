@@ -1,7 +1,6 @@
 // The caller's floating-point mode changes no bound of many.
 #include <gtest/gtest.h>
 
-#include <cfenv>
 #include <cstddef>
 #include <vector>
 
@@ -34,32 +33,14 @@ TEST(FitManyModesTest, NoBoundChanges) {
         for (bool is_tightest : {false, true}) {
           const FitOptions options{.tightest = is_tightest, .target = target};
           source.Bound(usual.output(), options);
-          const auto check = [&] {
+          for (FpMode mode : kFpModes) {
+            RunIn(mode, [&] { source.Bound(built.output(), options); });
             for (std::size_t i = 0; i < kShapes; ++i) {
               ASSERT_TRUE(SameBits(built.Get(i), usual.Get(i)))
-                  << NameOf(kind) << ", " << i << ", " << target.name();
+                  << NameOf(kind) << ", " << i << ", " << target.name()
+                  << ", mode " << static_cast<int>(mode);
             }
-          };
-          {
-            const FlushDenormals flush;
-            source.Bound(built.output(), options);
           }
-          check();
-          for (int mode : {FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
-            {
-              const RoundingMode rounding(mode);
-              source.Bound(built.output(), options);
-            }
-            check();
-          }
-          bool is_untouched = false;
-          {
-            const TrapExceptions traps;
-            source.Bound(built.output(), options);
-            is_untouched = traps.IsUntouched();
-          }
-          EXPECT_TRUE(is_untouched);
-          check();
         }
       }
     }

@@ -3,11 +3,10 @@
 // mode of the call does.
 #include <gtest/gtest.h>
 
-#include <cfenv>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <optional>
+#include <utility>
 #include <vector>
 
 #include "halfspace/reject.h"
@@ -18,35 +17,17 @@
 namespace halfspace::testing {
 namespace {
 
-// Another mode while it exists.
-struct Mode {
-  Mode(int rounding, bool is_flushing) : rounding_(rounding) {
-    if (is_flushing) flush_.emplace();
-  }
-
- private:
-  RoundingMode rounding_;
-  std::optional<FlushDenormals> flush_;
-};
-
 class QuantizedFpModesTest : public ::testing::TestWithParam<QuantizedRow> {};
 
 TEST_P(QuantizedFpModesTest, ModesDoNotMatter) {
   constexpr std::size_t kObjects = 300;
-  struct Modes {
-    int made_rounding;
-    bool is_made_flushing;
-    int asked_rounding;
-    bool is_asked_flushing;
-  };
-  constexpr Modes kModes[] = {
-      {FE_TONEAREST, false, FE_TONEAREST, true},
-      {FE_TONEAREST, true, FE_TONEAREST, false},
-      {FE_TONEAREST, true, FE_TONEAREST, true},
-      {FE_UPWARD, false, FE_DOWNWARD, false},
-      {FE_DOWNWARD, false, FE_TOWARDZERO, false},
-      {FE_TOWARDZERO, false, FE_UPWARD, false},
-  };
+  constexpr std::pair<FpMode, FpMode> kMadeAndAsked[] = {
+      {FpMode::kDefault, FpMode::kFlushes},
+      {FpMode::kFlushes, FpMode::kDefault},
+      {FpMode::kFlushes, FpMode::kFlushes},
+      {FpMode::kUpward, FpMode::kDownward},
+      {FpMode::kDownward, FpMode::kToZero},
+      {FpMode::kToZero, FpMode::kUpward}};
   Random random(43);
   for (QuantizedInputKind kind :
        {QuantizedInputKind::kSubnormals, QuantizedInputKind::kAnyValues,
@@ -54,13 +35,12 @@ TEST_P(QuantizedFpModesTest, ModesDoNotMatter) {
     const auto values =
         MakeQuantizedValues(GetParam().layout, kind, kObjects, random);
     const auto usual = GetParam().make(values);
-    for (const Modes& modes : kModes) {
+    for (const auto& [made, asked] : kMadeAndAsked) {
       std::unique_ptr<AnyQuantized> all;
-      {
-        const Mode mode(modes.made_rounding, modes.is_made_flushing);
+      RunIn(made, [&] {
         all = GetParam().make(values);
         all->world();
-      }
+      });
       const QuantizedQueries queries(GetParam(), values, Scaled(20), random);
       for (std::size_t q = 0; q < Scaled(20); ++q) {
         const AnyQueries query = queries.Some(q, 1);
@@ -74,13 +54,12 @@ TEST_P(QuantizedFpModesTest, ModesDoNotMatter) {
           std::vector<std::uint64_t> quantized;
           std::vector<std::uint64_t> refined;
           std::vector<std::uint64_t> of_world;
-          {
-            const Mode mode(modes.asked_rounding, modes.is_asked_flushing);
+          RunIn(asked, [&] {
             floats = mask_of(all->floats());
             quantized = mask_of(all->quantized());
             refined = mask_of(all->refined());
             of_world = mask_of(all->world());
-          }
+          });
           ASSERT_EQ(refined, floats) << NameOf(kind) << ", " << target.name();
           ASSERT_EQ(of_world, floats) << NameOf(kind) << ", " << target.name();
           for (std::size_t w = 0; w < floats.size(); ++w) {

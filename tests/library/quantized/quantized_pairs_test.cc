@@ -6,9 +6,11 @@
 // it has thresholds, and then there is one level below them, and one for each.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -143,6 +145,32 @@ TEST_P(QuantizedPairsTest, BetweenThresholdsTheNextOneOutwardCounts) {
     quantized->Set(kLevel, &values[kLevel * planes_]);
     EXPECT_EQ(survivors(value), count);
     EXPECT_NE(survivors(value - outward), count);
+  }
+}
+
+// Few numbers among many NaN have a level each.
+TEST_P(QuantizedPairsTest, NanTeachesNothing) {
+  constexpr std::size_t kNumbers = 100;
+  constexpr std::size_t kObjects = 30 * kNumbers;
+  for (std::size_t p = 0; p < planes_; ++p) {
+    const bool is_min = GetParam().IsMinPlane(p);
+    std::vector<float> values(kObjects * planes_);
+    for (std::size_t i = 0; i < kObjects; ++i) {
+      values[i * planes_ + p] = i % 30 == 0
+                                    ? static_cast<float>(i / 30 + 1)
+                                    : std::numeric_limits<float>::quiet_NaN();
+    }
+    const auto quantized = GetParam().make(values);
+    std::array<float, 10> query{};
+    for (std::size_t n = 0; n <= kNumbers + 1; ++n) {
+      query[OpposingValue(GetParam().layout, p)] = static_cast<float>(n);
+      const AnyWorld world = quantized->quantized();
+      const std::size_t rejected = is_min ? kNumbers - std::min(n, kNumbers)
+                                          : n - std::min(n, std::size_t{1});
+      EXPECT_EQ(detail::CountSurvivors(world.Asked({query.data(), 1}), {}),
+                kObjects - rejected)
+          << "plane " << p << ", " << n;
+    }
   }
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "halfspace/kernels.h"
+#include "tests/library/support/misaligned.h"
 
 namespace halfspace::testing {
 namespace {
@@ -33,45 +34,21 @@ struct Arguments {
   }
 };
 
-// The pointer one byte further.
-template <typename T>
-T* Misaligned(T* pointer) {
-  return reinterpret_cast<T*>(reinterpret_cast<std::uintptr_t>(pointer) + 1);
-}
-
-void ExpectDeath(const Arguments& arguments) {
-  EXPECT_DEATH(arguments.CallOne(), kMessage);
-  EXPECT_DEATH(arguments.CallSeveral(), kMessage);
-}
-
-TEST(KernelsAssertionsDeathTest, NullPointers) {
-  Arguments without_planes;
-  without_planes.planes_of_call = nullptr;
-  ExpectDeath(without_planes);
-  Arguments without_last_plane;
-  without_last_plane.planes[5] = nullptr;
-  ExpectDeath(without_last_plane);
-  Arguments without_query;
-  without_query.query = nullptr;
-  ExpectDeath(without_query);
-  Arguments without_mask;
-  without_mask.mask = nullptr;
-  ExpectDeath(without_mask);
-}
-
-TEST(KernelsAssertionsDeathTest, MisalignedPointers) {
-  Arguments planes;
-  planes.planes_of_call = Misaligned(planes.planes.data());
-  ExpectDeath(planes);
-  Arguments last_plane;
-  last_plane.planes[5] = Misaligned(last_plane.planes[5]);
-  ExpectDeath(last_plane);
-  Arguments query;
-  query.query = Misaligned(query.query);
-  ExpectDeath(query);
-  Arguments mask;
-  mask.mask = Misaligned(mask.mask);
-  ExpectDeath(mask);
+TEST(KernelsAssertionsDeathTest, NullAndMisalignedPointers) {
+  for (bool is_null : {false, true}) {
+    const auto spoil = [&](auto*& pointer) {
+      pointer = is_null ? nullptr : Misaligned(pointer);
+    };
+    Arguments all[4];
+    spoil(all[0].planes_of_call);
+    spoil(all[1].planes[5]);
+    spoil(all[2].query);
+    spoil(all[3].mask);
+    for (const Arguments& arguments : all) {
+      EXPECT_DEATH(arguments.CallOne(), kMessage);
+      EXPECT_DEATH(arguments.CallSeveral(), kMessage);
+    }
+  }
 }
 
 TEST(KernelsAssertionsDeathTest, WhatIsValid) {

@@ -1,6 +1,8 @@
-// Runs a scope in another floating-point mode of the thread.
+// Runs a scope, or a call, in another floating-point mode of the thread.
 #ifndef HALFSPACE_TESTS_LIBRARY_SUPPORT_FP_MODES_H_
 #define HALFSPACE_TESTS_LIBRARY_SUPPORT_FP_MODES_H_
+
+#include <gtest/gtest.h>
 
 #include <cfenv>
 #include <cstdint>
@@ -109,6 +111,39 @@ class RoundingMode {
  private:
   int saved_ = std::fegetround();
 };
+
+// The floating-point mode of a caller.
+enum class FpMode { kDefault, kFlushes, kUpward, kDownward, kToZero, kTraps };
+inline constexpr FpMode kFpModes[] = {FpMode::kDefault, FpMode::kFlushes,
+                                      FpMode::kUpward,  FpMode::kDownward,
+                                      FpMode::kToZero,  FpMode::kTraps};
+
+// Expects that the call leaves the mode as it was. (valgrind has no flushing
+// and no traps.)
+template <typename Call>
+void RunIn(FpMode mode, const Call& call) {
+  bool is_left = false;
+  if (mode == FpMode::kTraps) {
+    const TrapExceptions traps;
+    const bool was_untouched = traps.IsUntouched();
+    call();
+    is_left = traps.IsUntouched() == was_untouched;
+  } else if (mode == FpMode::kFlushes) {
+    const FlushDenormals flush;
+    const bool was_on = FlushDenormals::IsOn();
+    call();
+    is_left = FlushDenormals::IsOn() == was_on;
+  } else {
+    const int rounding = mode == FpMode::kUpward     ? FE_UPWARD
+                         : mode == FpMode::kDownward ? FE_DOWNWARD
+                         : mode == FpMode::kToZero   ? FE_TOWARDZERO
+                                                     : FE_TONEAREST;
+    const RoundingMode scope(rounding);
+    call();
+    is_left = std::fegetround() == rounding;
+  }
+  EXPECT_TRUE(is_left) << "the call changed mode " << static_cast<int>(mode);
+}
 
 }  // namespace halfspace::testing
 
