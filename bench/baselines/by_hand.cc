@@ -16,35 +16,6 @@ namespace {
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
-namespace N_SSE4 {
-template <std::size_t kMins, std::size_t kMaxs>
-[[gnu::target("sse4.2")]] void Test(const float* const* planes, std::size_t n,
-                                    const float* query, std::uint64_t* mask) {
-  const float* const max = query + (kMaxs == 0 ? 0 : kMins);
-  __m128 values[kMins + kMaxs];
-  for (std::size_t p = 0; p < kMins; ++p) values[p] = _mm_set1_ps(max[p]);
-  for (std::size_t p = 0; p < kMaxs; ++p) {
-    values[kMins + p] = _mm_set1_ps(query[p]);
-  }
-  for (std::size_t i = 0; i < n; i += 64) {
-    std::uint64_t rejected = 0;
-#pragma GCC unroll 16
-    for (std::size_t l = 0; l < 64; l += 4) {
-      __m128 bits = _mm_setzero_ps();
-#pragma GCC unroll 8
-      for (std::size_t p = 0; p < kMins + kMaxs; ++p) {
-        const __m128 objects = _mm_loadu_ps(planes[p] + i + l);
-        const __m128 is_less = p < kMins ? _mm_cmplt_ps(values[p], objects)
-                                         : _mm_cmplt_ps(objects, values[p]);
-        bits = p == 0 ? is_less : _mm_or_ps(bits, is_less);
-      }
-      rejected |= std::uint64_t(unsigned(_mm_movemask_ps(bits))) << l;
-    }
-    *mask++ = ~rejected;
-  }
-}
-}  // namespace N_SSE4
-
 namespace N_AVX2 {
 template <std::size_t kMins, std::size_t kMaxs>
 [[gnu::target("avx2")]] void Test(const float* const* planes, std::size_t n,
@@ -107,7 +78,6 @@ template <std::size_t kMins, std::size_t kMaxs>
 
 template <std::size_t kMins, std::size_t kMaxs>
 LoopByHand LoopOf(std::string_view target) {
-  if (target == "SSE4") return &N_SSE4::Test<kMins, kMaxs>;
   if (target == "AVX2") return &N_AVX2::Test<kMins, kMaxs>;
   if (target == "AVX3") return &N_AVX3::Test<kMins, kMaxs>;
   return nullptr;

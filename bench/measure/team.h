@@ -3,13 +3,11 @@
 #define HALFSPACE_BENCH_MEASURE_TEAM_H_
 
 #include <algorithm>
-#include <barrier>
 #include <chrono>
 #include <cstddef>
 #include <ctime>
-#include <exception>
 #include <functional>
-#include <thread>
+#include <future>
 #include <vector>
 
 namespace halfspace::bench {
@@ -73,10 +71,9 @@ inline std::vector<std::vector<double>> TimeSteps(
   return ns;
 }
 
-// work(i) in each of `threads` threads, of which the caller is thread 0. They
-// wait for each other in the system, and not by spinning: a thread that spins
-// keeps the one that it waits for off the CPU. Throws std::system_error if no
-// thread can be started, and what work() has thrown.
+// work(i) in each of `threads` threads, of which the caller is thread 0. It
+// must take so long that a thread which starts later does not count. Throws
+// std::system_error if no thread can be started, and what work() has thrown.
 inline TeamTime RunTeam(std::size_t threads,
                         const std::function<void(std::size_t)>& work) {
   using Clock = std::chrono::steady_clock;
@@ -84,41 +81,25 @@ inline TeamTime RunTeam(std::size_t threads,
     Clock::time_point start;
     Clock::time_point end;
     double cpu = 0.0;
-    std::exception_ptr error;
   };
-  std::vector<Result> results(threads);
-  std::barrier together(static_cast<std::ptrdiff_t>(threads));
-  const auto run = [&](std::size_t i) {
-    Result& result = results[i];
-    together.arrive_and_wait();
+  const auto run = [&work](std::size_t i) {
     const double cpu = ThreadSeconds();
-    result.start = Clock::now();
-    try {
-      work(i);
-    } catch (...) {
-      result.error = std::current_exception();
-    }
+    Result result{Clock::now(), {}};
+    work(i);
     result.end = Clock::now();
     result.cpu = ThreadSeconds() - cpu;
+    return result;
   };
-  std::vector<std::thread> others;
-  try {
-    for (std::size_t i = 1; i < threads; ++i) others.emplace_back(run, i);
-  } catch (...) {
-    for (std::size_t i = others.size() + 1; i < threads; ++i) {
-      together.arrive_and_drop();
-    }
-    together.arrive_and_drop();
-    for (std::thread& other : others) other.join();
-    throw;
+  std::vector<std::future<Result>> others;
+  for (std::size_t i = 1; i < threads; ++i) {
+    others.push_back(std::async(std::launch::async, run, i));
   }
-  run(0);
-  for (std::thread& other : others) other.join();
+  std::vector<Result> results = {run(0)};
+  for (std::future<Result>& other : others) results.push_back(other.get());
   TeamTime time;
   Clock::time_point start = results[0].start;
   Clock::time_point end = results[0].end;
   for (const Result& result : results) {
-    if (result.error) std::rethrow_exception(result.error);
     start = std::min(start, result.start);
     end = std::max(end, result.end);
     const double real =

@@ -59,13 +59,6 @@ Ratio RangeOfRatios(const Timing& numerator, const Timing& denominator) {
   return RangeOf(ratios);
 }
 
-Cell Marked(const Ratio& ratio) {
-  const Winner winner = WinnerOf(ratio);
-  return Cell(ratio).With(winner == Winner::kSimplex ? Flag::kWinner
-                          : winner == Winner::kNone  ? Flag::kTie
-                                                     : Flag::kNone);
-}
-
 // The same stages in groups of 16 with branches and with lists, and flat, by
 // the size of objects. Only for vectors: without them a group is 16 objects one
 // by one.

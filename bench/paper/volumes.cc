@@ -13,6 +13,7 @@
 #include "bench/paper/volume_set.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
+#include "bench/sections/verdict.h"
 #include "bench/worlds/scene.h"
 #include "bench/worlds/working_set.h"
 #include "halfspace/reject.h"
@@ -190,14 +191,10 @@ Table BoxesTable(Run& run) {
             ns.begin(), ns.end() - 1, [](const Timing& a, const Timing& b) {
               return a.Median() < b.Median();
             });
-        const Ratio ratio = RatioOf(best, ns.back());
         table.Add({size.name, NameOf(target),
                    Fixed(percent, percent < 1.0 ? 1 : 0) + " %", ns[0].Median(),
                    ns[1].Median(), ns[2].Median(), ns[3].Median(),
-                   ns[4].Median(),
-                   Cell(ratio).With(ratio.low > 1.0     ? Flag::kWinner
-                                    : ratio.high >= 1.0 ? Flag::kTie
-                                                        : Flag::kNone)});
+                   ns[4].Median(), Marked(RatioOf(best, ns.back()))});
       }
     }
   }

@@ -1,5 +1,4 @@
-#include "bench/sections/exact_tests.h"
-
+// What an exact test of a pair costs.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "bench/measure/measure.h"
 #include "bench/sections/run.h"
 #include "bench/worlds/random.h"
 

@@ -14,7 +14,6 @@
 #include "bench/measure/machine.h"
 #include "bench/measure/measure.h"
 #include "bench/report/table.h"
-#include "bench/sections/exact_tests.h"
 #include "bench/sections/options.h"
 #include "bench/sections/verdict.h"
 #include "bench/worlds/working_set.h"
@@ -25,6 +24,12 @@ namespace halfspace::bench {
 
 inline constexpr std::size_t kPaperObjects = std::size_t{1} << 22;
 inline constexpr std::size_t kPaperQueries = 128;
+
+// What an exact test of a pair costs.
+struct ExactTest {
+  std::string name;
+  Ratio ns;
+};
 
 class Run {
  public:
@@ -107,6 +112,9 @@ class Run {
   std::vector<std::unique_ptr<WorkingSet>> sets_;
   std::unique_ptr<Verdict> verdict_;
 };
+
+// Of two triangles around each other, one test at a time.
+ExactTest MeasureExactTest(Run& run);
 
 }  // namespace halfspace::bench
 

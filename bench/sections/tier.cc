@@ -88,8 +88,8 @@ Tables RunTier(Run& run) {
   }
   if (table.is_empty()) {
     table.notes.push_back(
-        "There are loops by hand for SSE4, AVX2 and AVX3 on x86-64, and for "
-        "NEON on aarch64.");
+        "There are loops by hand for AVX2 and AVX3 on x86-64, and for NEON on "
+        "aarch64.");
   }
   return {table};
 }

@@ -141,11 +141,7 @@ Table TableOf(const Verdict& verdict, std::string name, std::string title,
   for (const VerdictWorld& world : verdict.worlds()) {
     Row row = {verdict.is_of_file() ? Cell("file") : Cell(world.percent)};
     for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
-      const Ratio ratio = world.OverSimplex(ShapeKind::kAabb, c, exact_ns);
-      const Winner winner = WinnerOf(ratio);
-      row.push_back(Cell(ratio).With(winner == Winner::kSimplex ? Flag::kWinner
-                                     : winner == Winner::kNone  ? Flag::kTie
-                                                                : Flag::kNone));
+      row.push_back(Marked(world.OverSimplex(ShapeKind::kAabb, c, exact_ns)));
     }
     table.Add(std::move(row));
   }
@@ -252,6 +248,14 @@ Ratio VerdictCell::Difference(ShapeKind more, ShapeKind less) const {
     differences[g] -= others[g];
   }
   return GroupRange(differences);
+}
+
+Cell Marked(const Ratio& box_over_simplex) {
+  const Winner winner = WinnerOf(box_over_simplex);
+  return Cell(box_over_simplex)
+      .With(winner == Winner::kSimplex ? Flag::kWinner
+            : winner == Winner::kNone  ? Flag::kTie
+                                       : Flag::kNone);
 }
 
 std::string VerdictWorld::name() const {

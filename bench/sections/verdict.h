@@ -27,6 +27,8 @@ enum class Winner { kSimplex, kBox, kNone };
 // lies in the range.
 Winner WinnerOf(const Ratio& box_over_simplex);
 const char* NameOf(Winner winner);
+// The ratio, with a mark for the winner.
+Cell Marked(const Ratio& box_over_simplex);
 
 struct Contender {
   ShapeKind shape;
