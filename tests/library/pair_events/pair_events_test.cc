@@ -482,7 +482,7 @@ TEST(PairOrderTest, IsThatOfTheTree) {
                       }
                     },
                     {.target = target});
-      EXPECT_TRUE(both > 100 || share < 10);
+      EXPECT_TRUE(both > 50 || share < 10);
       if (HasFatalFailure()) return;
     }
   }
