@@ -321,6 +321,13 @@ def threads(value: Optional[int]) -> int:
     return positive(value, "threads", MOST_THREADS)
 
 
+def how(
+    mask_of_call: Optional[int], threads_of_call: Optional[int], progress: Any
+) -> Tuple[int, int, Any]:
+    """The last arguments of a search."""
+    return mask(mask_of_call), threads(threads_of_call), progress
+
+
 def not_negative(value: Any, name: str) -> float:
     """A number from 0 to infinity, rounded up to float64."""
     _refuse_masked(value, name)

@@ -276,13 +276,8 @@ class BVH(Searches):
         Each pair is found once. The order of the pairs is unspecified, but
         equal calls return the same order.
         """
-        return self._tree.pairs(
-            None,
-            _arrays.margin(margin),
-            _arrays.mask(mask),
-            _arrays.threads(threads),
-            progress,
-        )
+        how = _arrays.how(mask, threads, progress)
+        return self._tree.pairs(None, _arrays.margin(margin), *how)
 
     def insert(self, boxes: Any) -> Union[np.ndarray, int]:
         """Adds objects and returns their ids.
@@ -461,13 +456,8 @@ def join(
         raise ValueError(
             f"b: expected a BVH of {a.dims} dimensions, as a, got {b.dims} dimensions"
         )
-    return a._tree.pairs(
-        b._tree,
-        _arrays.margin(margin),
-        _arrays.mask(mask),
-        _arrays.threads(threads),
-        progress,
-    )
+    how = _arrays.how(mask, threads, progress)
+    return a._tree.pairs(b._tree, _arrays.margin(margin), *how)
 
 
 def _is_fast(quality: Any) -> bool:

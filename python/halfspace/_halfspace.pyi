@@ -36,9 +36,9 @@ class _Searches:
         arrays: _Arrays,
         k: int,
         max_distance: float,
-        mask: int,
         is_exclusive: bool,
         with_ties: bool,
+        mask: int,
         threads: int,
         progress: _Progress,
     ) -> Tuple[ndarray, ndarray]: ...
@@ -46,8 +46,8 @@ class _Searches:
         self,
         starts: _Arrays,
         motions: _Arrays,
-        mask: int,
         finds_all: bool,
+        mask: int,
         threads: int,
         progress: _Progress,
     ) -> Tuple[ndarray, ndarray]: ...

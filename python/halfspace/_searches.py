@@ -81,7 +81,7 @@ class Searches:
         else:
             table = _arrays.boxes(boxes, "boxes", self.dims)
             table = _arrays.rounded_boxes(table, within)
-        return self._query(table, _arrays.mask(mask), _arrays.threads(threads), progress)
+        return self._query(table, *_arrays.how(mask, threads, progress))
 
     def query_sphere(
         self,
@@ -99,7 +99,7 @@ class Searches:
         `query`.
         """
         spheres = _arrays.spheres(centers, radii, self.dims)
-        return self._query(spheres, _arrays.mask(mask), _arrays.threads(threads), progress)
+        return self._query(spheres, *_arrays.how(mask, threads, progress))
 
     def _query(
         self, table: _arrays.Table, mask: int, threads: int, progress: Optional[Progress]
@@ -125,9 +125,7 @@ class Searches:
             if count is not None:
                 return count
         table = self._boxes(boxes)
-        counts = self._tree.count(
-            table.arrays, _arrays.mask(mask), _arrays.threads(threads), progress
-        )
+        counts = self._tree.count(table.arrays, *_arrays.how(mask, threads, progress))
         return int(counts[0, 0]) if table.single else counts[:, 0].astype(np.int64)
 
     def any(
@@ -150,9 +148,7 @@ class Searches:
         if self._tree.is_exact:
             return self.count(boxes, mask=mask, threads=threads, progress=progress) > 0
         table = self._boxes(boxes)
-        ids = self._tree.any(
-            table.arrays, _arrays.mask(mask), _arrays.threads(threads), progress
-        )
+        ids = self._tree.any(table.arrays, *_arrays.how(mask, threads, progress))
         if table.single:
             return int(ids[0, 0]) != _arrays.NO_ID
         return ids[:, 0] != _arrays.NO_ID
@@ -220,11 +216,9 @@ class Searches:
             table.arrays,
             _arrays.positive(k, "k"),
             _arrays.round_up(_arrays.not_negative(max_distance, "max_distance")),
-            _arrays.mask(mask),
             bool(exclusive),
             bool(all_ties),
-            _arrays.threads(threads),
-            progress,
+            *_arrays.how(mask, threads, progress),
         )
         if not table.single:
             return ids, distances
@@ -353,14 +347,8 @@ class Searches:
         arrays, motions, single = _arrays.casts(
             starts, name, directions, max_t, self.dims
         )
-        ids, t = self._tree.cast(
-            arrays,
-            motions,
-            _arrays.mask(mask),
-            bool(all_hits),
-            _arrays.threads(threads),
-            progress,
-        )
+        how = _arrays.how(mask, threads, progress)
+        ids, t = self._tree.cast(arrays, motions, bool(all_hits), *how)
         if all_hits:
             return (ids[1] if single else ids), t
         return (int(ids[0, 0]), float(t[0, 0])) if single else (ids[:, 0], t[:, 0])

@@ -51,6 +51,7 @@ struct Bodies {
   };
   // A part whose ids do not fit runs twice.
   static constexpr std::size_t kPart = 64;
+  static constexpr bool kCanBeExact = false;
   static constexpr bool is_exact = false;
 
   hs_broad_phase* get() const { return bodies.get(); }
@@ -59,12 +60,6 @@ struct Bodies {
     BoundBoxes(kind, box, record);
     return hs_float_rows(record, 1, values);
   }
-  static std::size_t Keep(const hs_columns& /*unused*/,
-                          std::span<std::uint32_t> ids,
-                          std::size_t* /*unused*/) {
-    return ids.size();
-  }
-  static void KeepPairs(float /*unused*/, Pairs& /*unused*/) {}
 };
 
 // Calls a C function without the interpreter's lock.

@@ -76,11 +76,13 @@ struct Searches {
           std::size_t total = 0;
           Check(Its::kQuery(world.get(), &queries, &options, ids.data(),
                             ids.size(), offsets, &total));
-          if (!world.is_exact || options.shape != HS_SHAPE_BOUND ||
-              total > ids.size()) {
-            return total;
+          if constexpr (World::kCanBeExact) {
+            if (world.is_exact && options.shape == HS_SHAPE_BOUND &&
+                total <= ids.size()) {
+              return world.Keep(queries, ids.first(total), offsets);
+            }
           }
-          return world.Keep(queries, ids.first(total), offsets);
+          return total;
         };
   }
 
@@ -173,8 +175,8 @@ struct Searches {
 
   static pybind11::tuple Nearest(World& world, const pybind11::tuple& arrays,
                                  std::size_t k, float max_distance,
-                                 std::uint32_t mask, bool is_exclusive,
-                                 bool with_ties, std::size_t threads,
+                                 bool is_exclusive, bool with_ties,
+                                 std::uint32_t mask, std::size_t threads,
                                  pybind11::object progress) {
     const Columns queries(arrays);
     hs_query_options options = OptionsOf(mask);
@@ -218,9 +220,9 @@ struct Searches {
   // The first hits or, sorted by t, all hits of rays, or of spheres or boxes
   // that move. `ways` are the directions and the limits. Rays have them too.
   static pybind11::tuple Cast(World& world, const pybind11::tuple& its_starts,
-                              const pybind11::tuple& its_ways,
-                              std::uint32_t mask, bool finds_all,
-                              std::size_t threads, pybind11::object progress) {
+                              const pybind11::tuple& its_ways, bool finds_all,
+                              std::uint32_t mask, std::size_t threads,
+                              pybind11::object progress) {
     const Columns starts(its_starts);
     const Columns ways(its_ways);
     if (starts.count != ways.count) ThrowNotPrepared();
@@ -286,7 +288,7 @@ struct Searches {
       Check(Its::kPairsOf(world.get(), ids.data(),
                           static_cast<std::size_t>(ids.size()), &options, add,
                           &pairs));
-      if (world.is_exact) world.KeepPairs(margin, pairs);
+      if constexpr (World::kCanBeExact) world.KeepPairs(margin, pairs);
     }
     return ToArray(pairs);
   }

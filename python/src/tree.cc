@@ -129,6 +129,7 @@ struct Tree {
   using Functions = BvhFunctions;
   using Reading = TreeReading;
   static constexpr std::size_t kPart = kPartQueries;
+  static constexpr bool kCanBeExact = true;
 
   py::object blob;  // the bytes, if they are in place
   Bvh bvh;
@@ -158,6 +159,7 @@ struct Tree {
                      : KeepResults<3>(doubles, queries, ids, offsets);
   }
   void KeepPairs(float margin, std::vector<hs_id_pair>& pairs) const {
+    if (!is_exact) return;
     pairs.resize(KeepNear(dims, doubles, doubles, margin, pairs));
   }
 
@@ -460,6 +462,22 @@ auto KeeperOf(std::span<const double> a, std::span<const double> b,
   };
 }
 
+// The boxes one after another, in place if they are so.
+std::span<const double> RowsOfDoubles(const Columns& boxes,
+                                      std::vector<double>& copy) {
+  bool is_in_place = boxes.type == HS_FLOAT64 && boxes.stride == boxes.size;
+  const auto* const first = static_cast<const double*>(boxes.column[0]);
+  for (std::size_t v = 0; v < boxes.size && is_in_place; ++v) {
+    is_in_place = boxes.column[v] == first + v;
+  }
+  if (is_in_place) return {first, boxes.size * boxes.count};
+  copy.resize(boxes.size * boxes.count);
+  for (std::size_t i = 0; i < boxes.count; ++i) {
+    ReadRow(boxes, i, boxes.size, &copy[boxes.size * i]);
+  }
+  return copy;
+}
+
 // Sorts the queries into a tree of their own and joins the trees: queries that
 // are near each other share what they read. Then sorts the pairs by row.
 Ids QueryByJoin(Tree& tree, const py::tuple& arrays, std::uint32_t mask,
@@ -473,10 +491,9 @@ Ids QueryByJoin(Tree& tree, const py::tuple& arrays, std::uint32_t mask,
     const py::gil_scoped_release release;
     const Bvh queries = Build(boxes, /*is_fast=*/true, work,
                               /*progress_end=*/0);
-    std::vector<double> rows(tree.is_exact ? 2 * tree.dims * boxes.count : 0);
-    for (std::size_t i = 0; i < boxes.count && tree.is_exact; ++i) {
-      ReadRow(boxes, i, 2 * tree.dims, &rows[2 * tree.dims * i]);
-    }
+    std::vector<double> copy;
+    const std::span<const double> rows =
+        tree.is_exact ? RowsOfDoubles(boxes, copy) : std::span<const double>();
     return FindPairs(queries.get(), tree.get(), options, work,
                      KeeperOf(rows, tree.doubles, tree.dims, 0));
   }();
