@@ -167,6 +167,8 @@ function idsOf(ids, count) {
   });
 }
 
+const shown = (value) => (typeof value === 'number' ? value : typeof value);
+
 function countOf(name, value) {
   if (value !== Infinity && !(Number.isInteger(value) && value > 0)) {
     fail(name, `expected a whole number above 0, or Infinity, got ${value}`);
@@ -278,7 +280,8 @@ export class BVH {
       const min = box[k];
       const max = box[dimensions + k];
       if (!(min <= max) || typeof min !== 'number' || typeof max !== 'number') {
-        fail(`box[${k}]`, `expected a minimum that is not above the maximum, got ${min} and ${max}`);
+        fail(`box[${k}]`, 'expected a minimum that is not above the maximum, ' +
+          `got ${shown(min)} and ${shown(max)}`);
       }
       f64[to + k] = min;
       f64[to + dimensions + k] = max;
@@ -319,17 +322,22 @@ export class BVH {
     const bvh = this.#open();
     const dimensions = this.#dimensions;
     if (point?.length !== dimensions) fail('point', `expected ${dimensions} numbers`);
+    // Not numbersOf(), which takes as long as the search for 8 boxes. All are read before
+    // one is written, since a getter can call the module.
+    const [x, y, z] = [0, 1, dimensions - 1].map((i) => {
+      const value = point[i];
+      if (typeof value !== 'number' || value !== value) {
+        fail(`point[${i}]`, `expected a number, got ${shown(value)}`);
+      }
+      return value;
+    });
     const most = Math.min(countOf('k', k), this.size);
     makeRoom(2 * most);
     look();
-    // Not numbersOf(), which takes as long as the search for 8 boxes.
-    for (let i = 0; i < dimensions; ++i) {
-      const value = point[i];
-      if (typeof value !== 'number' || value !== value) {
-        fail(`point[${i}]`, `expected a number, got ${value}`);
-      }
-      f64[oneValues / 8 + i] = value;
-    }
+    const to = oneValues / 8;
+    f64[to] = x;
+    f64[to + 1] = y;
+    f64[to + dimensions - 1] = z;
     check(wasm.bvh_nearest(bvh, dimensions, 1, oneValues, 1, most,
       distanceOf('maxDistance', maxDistance), results, results + 4 * most));
     look();

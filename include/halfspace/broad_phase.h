@@ -155,8 +155,8 @@ struct BroadPhaseStatistics {
 //
 // Memory: boxes in 3 dimensions take 24 bytes for the bound and about 56 for
 // the record and the tree, and 8 more with masks. A pair takes 8 bytes after
-// the first UpdatePairs(). A group of 64 ids without a body takes 12 bytes, so
-// ids may have gaps. An empty broad phase takes about 6 KB.
+// the first UpdatePairs(). An id without a body takes up to 5 bytes, so ids may
+// have gaps. An empty broad phase takes about 6 KB.
 //
 // Copies: a copy has the same bodies, masks, pairs and options, and from then
 // on returns the same answers and events in the same order. An object that was

@@ -131,6 +131,12 @@ for (const dimensions of [2, 3]) {
   });
 }
 
+test('a point whose numbers come from a call of the module', () => {
+  const tree = new BVH([0, 0, 1, 1, 5, 5, 6, 6]);
+  const first = () => { tree.nearest([0, 0]); return 5; };
+  assert.deepEqual([...tree.nearest({ length: 2, 0: 5, get 1() { return first(); } })], [1]);
+});
+
 test('doubles are rounded outward', () => {
   const tree = new BVH([0.1, 0.1, 0.3, 0.3]);
   for (const box of [[0.3, 0.3, 1, 1], [0, 0, 0.1, 0.1], [0.3 + 1e-12, 0.3, 1, 1]]) {
@@ -184,6 +190,8 @@ for (const [argument, call] of [
   ['boxes', () => flat.queryMany([0, 0, 1])],
   ['point', () => flat.nearest([0])],
   ['point[1]', () => flat.nearest([0, NaN])],
+  ['point[0]', () => flat.nearest([Symbol('x'), 0])],
+  ['box[1]', () => flat.query([0, Object.create(null), 1, 1])],
   ['k', () => flat.nearest([0, 0], 0)],
   ['k', () => flat.nearest([0, 0], 1.5)],
   ['maxDistance', () => flat.nearest([0, 0], 1, -1)],

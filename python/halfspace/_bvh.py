@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import mmap
 import os
 import pickle
@@ -370,14 +369,18 @@ class BVH(Searches):
             its_masks = _arrays.masks_of_each(masks, "masks", count)
             self._tree.set_masks(wanted, its_masks)
 
-    @contextlib.contextmanager
-    def changing(self) -> Iterator[None]:
+    def changing(self) -> _halfspace.Changing:
         """Changes the tree while other threads use it: `with tree.changing():`.
 
         Waits until no other thread reads or changes the tree. From then on to the
         end of the block, the calls of other threads wait. Those of this thread do
-        not. Blocks of one thread can be nested. Raises RuntimeError in a `progress`
-        function of the same tree.
+        not. Blocks of one thread can be nested. Calls that waited go before the
+        next block. Raises RuntimeError in a `progress` function of the same tree.
+
+        In the block, do not wait for another thread that uses the tree. Threads
+        that need the blocks of two trees, also for a `join` in a block, take them
+        in the same order. A process that is forked by another thread during a
+        block cannot use the tree: its calls would wait forever.
 
         >>> import halfspace as hs
         >>> tree = hs.BVH([[0, 0, 1, 1], [2, 2, 3, 3]])
@@ -385,11 +388,7 @@ class BVH(Searches):
         ...     tree.erase(0)
         ...     tree.refit([5, 5, 6, 6], 1)
         """
-        self._tree.own()
-        try:
-            yield
-        finally:
-            self._tree.disown()
+        return self._tree.changing()
 
     @property
     def nbytes(self) -> int:

@@ -141,6 +141,7 @@ struct Tree {
   unsigned long owner = 0;             // the thread that called Own()
   std::size_t owned = 0;               // how often
   bool owner_waits = false;            // for the calls that run
+  std::size_t waiting = 0;             // calls that wait for the owner
   std::size_t exports = 0;             // blobs that Python objects refer to
   bool is_half_refitted = false;       // an exception ended Refit()
   std::size_t changes = 0;             // so far
@@ -219,14 +220,39 @@ Waiters& TheWaiters() {
   return waiters;
 }
 
-// For both at the same time, so that nobody waits for a call that waits.
-void WaitUntilOpen(const Tree& tree, const Tree& other) {
+// For both at the same time, so that a thread that owns neither keeps nobody
+// waiting.
+void WaitUntilOpen(Tree& tree, Tree& other) {
   if (tree.owner == 0 && other.owner == 0) return;
   const unsigned long self = PyThread_get_thread_ident();
-  TheWaiters().WaitUntil(
-      [&] { return !tree.IsClosedTo(self) && !other.IsClosedTo(self); });
+  const auto is_open = [&] {
+    return !tree.IsClosedTo(self) && !other.IsClosedTo(self);
+  };
+  if (is_open()) return;
+  struct Waiting {
+    explicit Waiting(Tree& its_tree) : tree(its_tree) { ++tree.waiting; }
+    Waiting(const Waiting&) = delete;
+    ~Waiting() {
+      if (--tree.waiting == 0) TheWaiters().WakeAll();
+    }
+    Tree& tree;
+  };
+  const Waiting for_tree(tree);
+  const Waiting for_other(other);
+  TheWaiters().WaitUntil(is_open);
 }
-void WaitUntilOpen(const Tree& tree) { WaitUntilOpen(tree, tree); }
+void WaitUntilOpen(Tree& tree) { WaitUntilOpen(tree, tree); }
+
+// Lets the calls go first that have waited for an owner before: a thread that
+// owns a tree again and again would never give up the interpreter's lock in
+// between. Not for long, since such a call can wait for another tree that this
+// thread owns.
+void StandBack(const Tree& tree) {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + std::chrono::milliseconds(50);
+  TheWaiters().WaitUntil(
+      [&] { return tree.waiting == 0 || Clock::now() >= end; });
+}
 
 void CheckRefitted(const Tree& tree) {
   if (!tree.is_half_refitted) return;
@@ -262,7 +288,7 @@ struct TreeReading {
 using Reading = TreeReading;
 
 void Disown(Tree& tree) {
-  if (--tree.owned != 0) return;
+  if (tree.owner != PyThread_get_thread_ident() || --tree.owned != 0) return;
   tree.owner = 0;
   TheWaiters().WakeAll();
 }
@@ -274,6 +300,7 @@ void Own(Tree& tree) {
     throw std::runtime_error(
         "changing() was called inside of a call of the same BVH");
   }
+  if (tree.owner == 0 && tree.waiting != 0) StandBack(tree);
   WaitUntilOpen(tree);
   tree.owner = self;
   ++tree.owned;
@@ -288,6 +315,13 @@ void Own(Tree& tree) {
     throw;
   }
 }
+
+// What `with tree.changing():` enters. In C++, because an exception of a signal
+// can come between any two steps of a function in Python.
+struct Changing {
+  py::object owner;  // of the tree
+  Tree* tree;
+};
 
 // Calls change() without the interpreter's lock. Waits for the owner. Throws if
 // another call uses the tree, or if Python objects refer to its blob.
@@ -731,8 +765,10 @@ void DefineTree(py::module_& module) {
       .def("set_masks", &SetMasks)
       .def("rebuild", &Rebuild)
       .def("cost_ratio", &CostRatio)
-      .def("own", &Own)
-      .def("disown", &Disown)
+      .def("changing",
+           [](const py::object& self) {
+             return Changing{self, self.cast<Tree*>()};
+           })
       .def("bounds", &BoundsOf)
       .def("boxes", &Boxes)
       .def("doubles", &Doubles)
@@ -745,6 +781,11 @@ void DefineTree(py::module_& module) {
                                return tree.doubles.capacity() * sizeof(double);
                              })
       .def_readonly("changes", &Tree::changes);
+  py::class_<Changing>(module, "Changing")
+      .def("__enter__", [](const Changing& its) { Own(*its.tree); })
+      .def("__exit__", [](const Changing& its, const py::args& /*unused*/) {
+        Disown(*its.tree);
+      });
 }
 
 }  // namespace halfspace::python

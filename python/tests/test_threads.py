@@ -1,5 +1,6 @@
 """Threads, Ctrl-C and progress."""
 
+import contextlib
 import os
 import signal
 import threading
@@ -172,6 +173,31 @@ def test_changing_waits_and_makes_wait(rng):
         thread.join(60)
         assert not thread.is_alive()
     assert not errors and counts == {20_000}
+
+
+def test_an_exception_of_a_signal_leaves_no_tree_locked():
+    class Alarm(Exception):
+        pass
+
+    def raises(*_):
+        raise Alarm
+
+    tree = hs.BVH([[0, 0, 1, 1]])
+    before = signal.signal(signal.SIGALRM, raises)
+    try:
+        for i in range(100):
+            with contextlib.suppress(Alarm):
+                signal.setitimer(signal.ITIMER_REAL, 1e-3 + 1e-5 * i)
+                while True:
+                    with tree.changing():
+                        pass
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    sizes = []
+    thread = threading.Thread(target=lambda: sizes.append(len(tree)), daemon=True)
+    thread.start()
+    thread.join(60)
+    assert sizes == [1]
 
 
 def test_changing_within_a_call(rng):

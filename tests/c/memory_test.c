@@ -209,7 +209,10 @@ static void use_broad_phase(hs_kind kind, memory* its) {
   CHECK_OK(hs_broad_phase_config_default(&config, sizeof(config)));
   config.kind = kind;
   config.allocator = allocator_of(its);
-  if (!has_done(its, hs_broad_phase_create(&config, &bodies))) return;
+  if (!has_done(its, hs_broad_phase_create(&config, &bodies))) {
+    CHECK(bodies == NULL);
+    return;
+  }
   if (has_done(its, hs_broad_phase_insert(bodies, ids, &many, NULL))) {
     expected += many.count;
     (void)has_done(
@@ -231,6 +234,8 @@ static void use_broad_phase(hs_kind kind, memory* its) {
     }
     CHECK(size_of_bodies(copy) == expected);
     hs_broad_phase_destroy(copy);
+  } else {
+    CHECK(copy == NULL);
   }
   // The others need no memory.
   left = its->left;

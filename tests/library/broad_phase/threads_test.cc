@@ -464,5 +464,54 @@ TEST(BroadPhaseThreadsTest, ManyThreadsQuery) {
   EXPECT_TRUE(bodies.Validate());
 }
 
+// By the masks, and an id: the parts of a search run on several threads.
+bool KeepsSome(void* context, std::uint32_t a, std::uint32_t b, bool is_kept) {
+  static_cast<std::atomic<std::size_t>*>(context)->fetch_add(1);
+  return is_kept && (a + b) % 3 != 0;
+}
+
+// Enough bodies for several parts.
+TEST(BroadPhaseThreadsTest, EventsDoNotDependOnTheRunner) {
+  const Runner on_two = [](std::size_t parts, const Runner::Part& part) {
+    std::atomic<std::size_t> next{0};
+    const auto run = [&] {
+      for (std::size_t i = next++; i < parts; i = next++) part(i);
+    };
+    std::jthread other(run);
+    run();
+  };
+  std::vector<std::vector<IdPair>> events(2);
+  for (std::size_t r = 0; r < 2; ++r) {
+    std::atomic<std::size_t> calls{0};
+    BroadPhaseOptions options;
+    options.filter = {&KeepsSome, &calls};
+    AabbBroadPhase3 bodies(options);
+    const auto box_of = [](std::uint32_t id, std::uint32_t step) {
+      const auto at = [&](std::uint32_t k) {
+        return static_cast<float>(id * k % 127 + step * (id % 3));
+      };
+      const Aabb3 box = {{at(5), at(31), at(77)}, {}};
+      return Aabb3{box.min, {box.min[0] + 4, box.min[1] + 4, box.min[2] + 4}};
+    };
+    constexpr std::uint32_t kCount = 20'000;
+    for (std::uint32_t id = 0; id < kCount; ++id) {
+      const BodyMasks masks = {std::uint32_t{1} << id % 32, ~(id % 5)};
+      bodies.Insert(id, box_of(id, 0), masks);
+    }
+    for (std::uint32_t step = 0; step < 3; ++step) {
+      for (std::uint32_t id = 0; id < kCount; ++id) {
+        bodies.Move(id, box_of(id, step));
+      }
+      bodies.UpdatePairs(r == 0 ? Runner() : on_two);
+      for (const auto& list : {bodies.began(), bodies.ended()}) {
+        events[r].insert(events[r].end(), list.begin(), list.end());
+      }
+    }
+    EXPECT_GT(bodies.pairs().size(), 1000u);
+    EXPECT_GT(calls.load(), bodies.pairs().size());
+  }
+  EXPECT_EQ(events[0], events[1]);
+}
+
 }  // namespace
 }  // namespace halfspace::testing

@@ -33,10 +33,14 @@ inline void AskAltered(const AnyBvh& world, Random& random) {
                [](std::uint32_t, float, const Planes&) { return Limit{kInf}; },
                {.target = target});
     if (!layout.has_max) continue;
-    const Span<const std::uint32_t> set = near;
     (void)world.FindPairs(nullptr, nullptr, {}, {.target = target});
-    (void)world.FindPairs(nullptr, &set, {}, {.margin = 1, .target = target});
-    (void)world.FindPairs(&world, &set, {}, {.wanted = near, .target = target});
+    // Few ids, and so many that the set is in allocated memory.
+    for (const Ids& some : {near, ids}) {
+      const Span<const std::uint32_t> set = some;
+      (void)world.FindPairs(nullptr, &set, {}, {.margin = 1, .target = target});
+      (void)world.FindPairs(&world, &set, {},
+                            {.wanted = some, .target = target});
+    }
   }
   (void)world.Bounds();
   (void)world.tree().CostRatio();
