@@ -12,7 +12,7 @@ for argument in "$@"; do
     if [ ! -x "$root/build/bench/bench/cpuinfo-bench" ]; then
       say "usage: ./bench.sh [--paper] [OPTION...]: installs what is missing," \
         "builds cpuinfo-bench, or with --paper paper-bench, and runs it with" \
-        "these options. They are in docs/cpuinfo-bench.md; once it is built," \
+        "these options. They are in docs/cpuinfo-bench.1; once it is built," \
         "--help lists them."
       exit 0
     fi

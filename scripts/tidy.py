@@ -29,9 +29,12 @@ def lists_of_files(build, names):
     file = pathlib.Path(entry["file"])
     name = os.path.relpath(file, ROOT)
     # Kernels are the same text, target after target.
-    if name not in names if names else (not IS_CHECKED.fullmatch(name) or
-                                        "hwy/foreach_target.h" in file.read_text()):
-      continue
+    if names:
+      is_checked = name in names
+    else:
+      is_checked = (IS_CHECKED.fullmatch(name) and
+                    "hwy/foreach_target.h" not in file.read_text())
+    if not is_checked: continue
     call = shlex.split(entry["command"])
     call = call[:call.index("-o")]
     # Without the precompiled headers, which only a build makes.
@@ -54,7 +57,7 @@ def tidy(call, files):
     checked = run("clang-tidy", "--quiet", files[0], "--", *call[1:])
     if checked.returncode != 0: print(checked.stdout, checked.stderr, sep="", flush=True)
     return checked.returncode == 0
-  # In the root, where .clang-tidy is.
+  # Below the root, so that clang-tidy finds .clang-tidy.
   with tempfile.NamedTemporaryFile("w", dir=ROOT / "build", suffix=".cc") as source:
     source.writelines(f'#include "{file}"\n' for file in files)
     source.flush()

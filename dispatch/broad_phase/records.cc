@@ -78,10 +78,10 @@ inline std::uint64_t Records::Mark(Group& group, std::size_t w,
   return before;
 }
 
-// Bodies with neighbouring ids get their marks by one exchange. If only some of
-// them moved, all of the next ones are written: a branch for each body would be
-// mispredicted. If half of 65 536 bodies move, in no order, each takes 3.5 ns
-// instead of 8.2, and if all move 3.3 instead of 3.0 (3D boxes, Zen 5). The
+// Bodies with neighbouring ids get their marks by one atomic or. If only some
+// of them moved, all of the next ones are written: a branch for each body would
+// be mispredicted. If half of 65 536 bodies move, in no order, each takes 3.5
+// ns instead of 8.2, and if all move 3.3 instead of 3.0 (3D boxes, Zen 5). The
 // words of a record are a parameter pack, because a loop over an array takes
 // twice the time.
 template <std::size_t... kWord>

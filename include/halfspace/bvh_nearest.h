@@ -61,9 +61,10 @@ struct SearchOptions {
   // bits: all ones finds all objects, and 0 none.
   std::uint32_t mask = 0xFFFFFFFF;
   Target target = {};  // by default, the chosen one (targets.h)
-  // Searches leave out the objects whose box of the first d axes is equal to
-  // the box or point of the query (of a simplex, its minima), such as the query
-  // itself. A NaN is equal to nothing. Casts ignore it.
+  // If true, a search for the k nearest leaves out each object that is equal to
+  // the query, such as the query itself. It compares the minima and maxima of
+  // the first d axes, and of a simplex only the minima. A NaN is equal to
+  // nothing. Casts ignore this option.
   bool exclusive = false;
 };
 

@@ -132,7 +132,7 @@ template <typename View, typename Shape>
 inline constexpr BvhShapeKind kShapeKind = {
     alignof(Shape), &ShapeQueryAt<View, Shape>, &BvhWalkShapes};
 
-// Whatever an overload of ShapeQueryOf() takes.
+// Any type that an overload of ShapeQueryOf() accepts.
 template <typename View, typename Shape>
 struct BvhAsked<View, Shape,
                 std::void_t<decltype(ShapeQueryOf<View::Bound::kDimensions>(

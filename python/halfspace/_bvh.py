@@ -19,7 +19,8 @@ class BVH(Searches):
     """A bounding volume hierarchy of axis-aligned boxes in 2 or 3 dimensions.
 
     The id of a box is its row in `boxes`. Boxes that touch overlap. The tree is
-    built at once, and changes only by `insert`, `insert_as`, `erase` and `refit`.
+    built at once. It changes only by `insert`, `insert_as`, `erase`, `refit`,
+    `rebuild` and `set_masks`.
 
     Parameters
     ----------
@@ -70,8 +71,8 @@ class BVH(Searches):
     Every call releases the interpreter's lock, so threads can query one tree at
     the same time. A change while another thread uses the tree raises
     RuntimeError, except in `with tree.changing():`. Ctrl-C ends a long build,
-    refit, query or join. It does not end `insert`, `insert_as`, `erase`, `save` or
-    the check of a blob.
+    rebuild, refit, query or join. It does not end `insert`, `insert_as`, `erase`,
+    `save` or the check of a blob.
     """
 
     __slots__ = ("_tree", "__weakref__")
@@ -392,7 +393,10 @@ class BVH(Searches):
 
     @property
     def nbytes(self) -> int:
-        """The size of the tree in memory, and of a file that `save` writes."""
+        """The size of the tree in memory, with the float64 boxes of an exact tree.
+
+        A file that `save` writes has the same size.
+        """
         return self._tree.nbytes() + self._tree.nbytes_of_doubles
 
     @property
@@ -401,11 +405,12 @@ class BVH(Searches):
         return self._tree.bounds()
 
     def boxes(self, ids: Any = None) -> np.ndarray:
-        """Returns the stored boxes of all ids, or of some: float32, shape (n, 2 d).
+        """Returns the stored boxes of all ids, or of some, in the shape (n, 2 d).
 
-        Boxes of float64 were rounded outward, except in an exact tree. Row i is the box of object i, or of
-        object `ids[i]`. The box of an id without an object is empty: minima of inf,
-        maxima of -inf. Takes a pass over all objects.
+        They are float32, which encloses boxes of float64, or the float64 boxes of
+        an exact tree. Row i is the box of object i, or of object `ids[i]`. The box
+        of an id without an object is empty: minima of inf, maxima of -inf. Takes a
+        pass over all objects.
         """
         boxes = self._tree.boxes()
         if self._tree.is_exact:
@@ -439,8 +444,10 @@ def join(
     Returns `i, j`, an array of int64 with the shape (2, n): object `i[k]` of `a`
     overlaps object `j[k]` of `b`. The order of the pairs is unspecified, but
     equal calls return the same order. `threads` and `progress` are those of
-    `BVH`, and `margin` and `mask` those of `BVH.pairs`. It is exact if one of the
-    trees is: the boxes of the other one are as it stores them. To group the pairs by `i`, call `b.query` with the boxes of `a`.
+    `BVH`, and `margin` and `mask` those of `BVH.pairs`. If one of the trees is
+    exact, the join compares float64 boxes. The boxes of the other tree are the
+    float32 boxes that it stores. To group the pairs by `i`, call `b.query` with
+    the boxes of `a`.
 
     >>> import halfspace as hs
     >>> a = hs.BVH([[0, 0, 1, 1], [2, 2, 3, 3]])

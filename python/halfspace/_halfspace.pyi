@@ -1,5 +1,5 @@
-# The compiled part. Private: arguments are those of _broad_phase.py,
-# _bvh.py, _scan.py and _triangles.py after _arrays.py has prepared them.
+# The compiled part. Private: arguments are those of _searches.py, _bvh.py,
+# _broad_phase.py, _scan.py and _triangles.py after _arrays.py has prepared them.
 
 from typing import Any, Callable, Dict, List, Optional, Tuple
 

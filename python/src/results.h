@@ -79,23 +79,6 @@ void ForEachPart(const Columns& queries, std::size_t in_part, Work& work,
            });
 }
 
-// The function of FindAll() and FindOfOne() that calls hs_bvh_query(),
-// hs_broad_phase_query() or hs_scan_indices().
-template <typename Object, typename Options>
-auto FinderOf(const Object* object,
-              hs_status (*query)(const Object*, const hs_columns*,
-                                 const Options*, std::uint32_t*, std::size_t,
-                                 std::size_t*, std::size_t*),
-              const Options* options = nullptr) {
-  return [=](const hs_columns& queries, std::span<std::uint32_t> ids,
-             std::size_t* offsets) {
-    std::size_t total = 0;
-    Check(query(object, &queries, options, ids.data(), ids.size(), offsets,
-                &total));
-    return total;
-  };
-}
-
 // Returns an array of shape (2, n) whose first row is filled: the numbers of
 // the queries, where the results of query i end at ends[i].
 inline Ids RowsOf(const std::vector<std::size_t>& ends, Work& work) {

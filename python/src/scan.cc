@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "columns.h"
@@ -42,8 +43,15 @@ std::unique_ptr<Scan> MakeScan(const py::tuple& arrays, bool is_quantized) {
 Ids Query(const Scan& scan, const py::tuple& arrays, std::size_t threads) {
   const Columns boxes(arrays);
   Work work(threads, py::none());
-  return FindAll(boxes, InPart(boxes, threads), work,
-                 FinderOf(scan.scan.get(), &hs_scan_indices));
+  return FindAll(
+      boxes, InPart(boxes, threads), work,
+      [&](const hs_columns& queries, std::span<std::uint32_t> ids,
+          std::size_t* offsets) {
+        std::size_t total = 0;
+        Check(hs_scan_indices(scan.scan.get(), &queries, nullptr, ids.data(),
+                              ids.size(), offsets, &total));
+        return total;
+      });
 }
 
 // hs_scan_counts() or hs_scan_any().

@@ -23,11 +23,11 @@ namespace halfspace::python {
 // A World has these functions of C as World::Functions, and
 // - get(), which is their object, and dims
 // - Reading, which exists while a call reads the object
-// - kPart, the number of queries that a part searches for
+// - kPart, the number of queries in one part
 // - QueryOf(box, record), which returns a box as a query, in `record` or not
-// - Keep(queries, ids, offsets), which removes results, and returns how many
-// are
-//   left. It does so only if is_exact.
+// - is_exact and kCanBeExact. If the second is true, also
+//   Keep(queries, ids, offsets) and KeepPairs(margin, pairs). They remove the
+//   results that the doubles reject. Keep() returns how many are left.
 struct BvhFunctions {
   static constexpr auto kQuery = &hs_bvh_query;
   static constexpr auto kCount = &hs_bvh_count;

@@ -557,9 +557,9 @@ typedef struct hs_query_options {
   hs_shape shape;  // by default HS_SHAPE_BOUND
   size_t skip;     // results that are not written, in ..._query() alone
   const char* target;  // null: the chosen target
-  int exclusive;       // 1: leaves out the objects whose bound is equal to the
-                       // query, in ..._nearest_...() alone. The bounds must be
-                       // boxes.
+  int exclusive;       // 1: leaves out each object whose box is equal to the
+                       // query. Only ..._nearest_...() read it. The bounds
+                       // must be boxes.
 } hs_query_options;
 
 HALFSPACE_API hs_status hs_query_options_default(hs_query_options* options,

@@ -447,6 +447,7 @@ TEST(PairEventsCoreTest, TheModeOfTheCallerDoesNotMatter) {
 // first the object that is first in the tree. In a set, `a` is always of it.
 TEST(PairOrderTest, IsThatOfTheTree) {
   Crowd crowd;
+  std::size_t both = 0;
   for (Target target : TargetsUnderTest()) {
     for (const std::size_t share : {1u, 10u, 70u, 100u}) {
       SCOPED_TRACE(::testing::Message() << target.name() << ", " << share);
@@ -471,7 +472,6 @@ TEST(PairOrderTest, IsThatOfTheTree) {
       Ids ids = crowd.Some(share);
       std::erase_if(ids, [&](std::uint32_t id) { return !bvh.Has(id); });
       const std::set<std::uint32_t> set(ids.begin(), ids.end());
-      std::size_t both = 0;
       ForEachPairOf(bvh, ids,
                     [&](Span<const IdPair> pairs) {
                       for (const auto& [a, b] : pairs) {
@@ -482,10 +482,10 @@ TEST(PairOrderTest, IsThatOfTheTree) {
                       }
                     },
                     {.target = target});
-      EXPECT_TRUE(both > 50 || share < 10);
       if (HasFatalFailure()) return;
     }
   }
+  EXPECT_GT(both, 1000u);
 }
 
 }  // namespace
