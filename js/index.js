@@ -279,7 +279,7 @@ export class BVH {
     for (let k = 0; k < dimensions; ++k) {
       const min = box[k];
       const max = box[dimensions + k];
-      if (!(min <= max) || typeof min !== 'number' || typeof max !== 'number') {
+      if (typeof min !== 'number' || typeof max !== 'number' || !(min <= max)) {
         fail(`box[${k}]`, 'expected a minimum that is not above the maximum, ' +
           `got ${shown(min)} and ${shown(max)}`);
       }
