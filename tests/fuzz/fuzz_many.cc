@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "tests/fuzz/bytes.h"
-#include "tests/fuzz/print.h"
 #include "tests/fuzz/run_input.h"
 #include "tests/library/fit_many/bulk.h"
 #include "tests/library/fit_many/bulk_answers.h"
