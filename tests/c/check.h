@@ -53,6 +53,8 @@ static inline int is_last_error(const char* text) {
 // The same, with the name of the function in front of the text.
 #define INVALID(function, arguments, text) \
   CHECK_INVALID(function arguments, #function ": " text)
+#define NOT_NULL(function, arguments, argument) \
+  INVALID(function, arguments, argument ": expected a pointer, got null")
 
 enum { KINDS = 6 };
 

@@ -112,8 +112,7 @@ static void test_structs(void) {
   INVALID(hs_bvh_query, (bvh, &columns, &options, ids, 2, NULL, &total),
           "options->struct_size: expected a multiple of 4, as the function "
           "..._default() sets it, got 39");
-  INVALID(hs_bvh_config_default, (NULL, sizeof(config)),
-          "the struct: expected a pointer, got null");
+  NOT_NULL(hs_bvh_config_default, (NULL, sizeof(config)), "the struct");
   INVALID(hs_bvh_config_default,
           ((hs_bvh_config*)(void*)((char*)&newer + 1), sizeof(newer)),
           "the struct: expected memory aligned to 8 bytes, got a misaligned "
@@ -136,11 +135,9 @@ static void test_columns(void) {
   hs_builder* builder = NULL;
   hs_bvh* bvh = NULL;
   size_t size = 0;
-  INVALID(hs_bvh_create, (&config, NULL, &bvh),
-          "objects: expected a pointer, got null");
+  NOT_NULL(hs_bvh_create, (&config, NULL, &bvh), "objects");
   columns.column[4] = NULL;
-  INVALID(hs_bvh_create, (&config, &columns, &bvh),
-          "objects->column[4]: expected a pointer, got null");
+  NOT_NULL(hs_bvh_create, (&config, &columns, &bvh), "objects->column[4]");
   columns.column[4] = (const char*)kBoxes + 1;
   INVALID(hs_bvh_create, (&config, &columns, &bvh),
           "objects->column[4]: expected memory aligned to 4 bytes, got a "
@@ -211,8 +208,7 @@ static void test_configurations(void) {
           "config->kind: expected an enumerator of hs_kind, got 0");
   INVALID(hs_bound_boxes, ((hs_kind)-1, &columns, NULL, bounds, NULL),
           "kind: expected an enumerator of hs_kind, got -1");
-  INVALID(hs_bvh_create, (NULL, &columns, &bvh),
-          "config: expected a pointer, got null");
+  NOT_NULL(hs_bvh_create, (NULL, &columns, &bvh), "config");
   config.kind = HS_BOX3;
   config.quality = (hs_quality)2;
   INVALID(hs_builder_create, (&config, &builder),
@@ -237,8 +233,7 @@ static void test_configurations(void) {
   config.allocator.allocate = NULL;
   INVALID(hs_scan_create, (&scan_config, &columns, &scan),
           "config->bits: expected 0, 8 or 16, got 9");
-  INVALID(hs_bvh_create, (&config, &columns, NULL),
-          "bvh: expected a pointer, got null");
+  NOT_NULL(hs_bvh_create, (&config, &columns, NULL), "bvh");
   CHECK(bvh == NULL && scan == NULL && builder == NULL && events == NULL);
 }
 
@@ -257,6 +252,13 @@ static float no_hit(void* context, size_t cast, uint32_t id, float t) {
   (void)id;
   return t;
 }
+
+#define BAD_TARGET(function, arguments)                                        \
+  INVALID(function, arguments,                                                 \
+          "options->target: expected null or a name of hs_target_name(), got " \
+          "\"x\"")
+#define NO_BODY(function, arguments) \
+  INVALID(function, arguments, "ids[1]: expected the id of a body, got 900")
 
 static void test_handles_and_outputs(void) {
   const hs_bvh_config config = bvh_config_of(HS_BOX3);
@@ -295,19 +297,14 @@ static void test_handles_and_outputs(void) {
   CHECK_OK(hs_bvh_create(&simplices, &columns, &simplex));
   CHECK_OK(hs_scan_create(&scan_config, &columns, &scan));
 
-  INVALID(hs_bvh_query, (NULL, &columns, NULL, ids, 4, NULL, &total),
-          "bvh: expected a pointer, got null");
-  INVALID(hs_bvh_query, (bvh, &columns, NULL, NULL, 4, NULL, &total),
-          "ids: expected a pointer, got null");
-  INVALID(hs_bvh_query, (bvh, &columns, NULL, ids, 4, NULL, NULL),
-          "total: expected a pointer, got null");
+  NOT_NULL(hs_bvh_query, (NULL, &columns, NULL, ids, 4, NULL, &total), "bvh");
+  NOT_NULL(hs_bvh_query, (bvh, &columns, NULL, NULL, 4, NULL, &total), "ids");
+  NOT_NULL(hs_bvh_query, (bvh, &columns, NULL, ids, 4, NULL, NULL), "total");
   INVALID(hs_bvh_query, (bvh, &columns, NULL, ids, SIZE_MAX, NULL, &total),
           "ids: expected a size that fits the address space, got "
           "18446744073709551615 elements");
-  INVALID(hs_bvh_probe, (bvh, &columns, NULL, NULL, NULL),
-          "function: expected a pointer, got null");
-  INVALID(hs_bvh_probe, (NULL, &columns, NULL, no_ids, NULL),
-          "bvh: expected a pointer, got null");
+  NOT_NULL(hs_bvh_probe, (bvh, &columns, NULL, NULL, NULL), "function");
+  NOT_NULL(hs_bvh_probe, (NULL, &columns, NULL, no_ids, NULL), "bvh");
   INVALID(hs_bvh_erase, (bvh, ids, 2),
           "ids[1]: expected the id of an object, got 7");
   INVALID(hs_bvh_set, (bvh, ids, &columns),
@@ -317,11 +314,9 @@ static void test_handles_and_outputs(void) {
   INVALID(hs_bvh_insert_as, (bvh, twice, &columns),
           "ids: expected ids that no object has, below 4294967295, each once, "
           "got 9 twice");
-  INVALID(hs_bvh_insert_as, (bvh, NULL, &columns),
-          "ids: expected a pointer, got null");
+  NOT_NULL(hs_bvh_insert_as, (bvh, NULL, &columns), "ids");
   CHECK_OK(hs_bvh_set_masks(bvh, NULL, NULL, 0));
-  INVALID(hs_bvh_set_masks, (bvh, NULL, masks, 1),
-          "ids: expected a pointer, got null");
+  NOT_NULL(hs_bvh_set_masks, (bvh, NULL, masks, 1), "ids");
   INVALID(hs_bvh_set_all_masks, (bvh, masks, 1),
           "masks: expected a mask for each id, at least 2, got 1");
   INVALID(hs_bvh_refit, (bvh, &one, NULL, NULL),
@@ -360,8 +355,7 @@ static void test_handles_and_outputs(void) {
   INVALID(hs_bvh_raycast, (bvh, &rays, 0, NULL, ids, NULL),
           "rays->type: expected HS_FLOAT32, as these cannot be rounded "
           "outward, got HS_FLOAT64");
-  INVALID(hs_bvh_raycast_each, (bvh, &rays, 0, NULL, NULL, NULL),
-          "function: expected a pointer, got null");
+  NOT_NULL(hs_bvh_raycast_each, (bvh, &rays, 0, NULL, NULL, NULL), "function");
 
   INVALID(hs_bvh_join, (bvh, other, NULL, &pair, 1, &total),
           "b: expected a BVH of the kind of `a`, got another kind");
@@ -369,10 +363,8 @@ static void test_handles_and_outputs(void) {
   INVALID(hs_pair_events_update, (events, simplex, NULL),
           "expected BVHs of boxes or octahedra, got simplices, which have no "
           "planes that face each other");
-  INVALID(hs_pair_events_update, (events, NULL, NULL),
-          "bvh: expected a pointer, got null");
-  INVALID(hs_pair_events_update_of, (events, bvh, NULL, 1, NULL),
-          "changed: expected a pointer, got null");
+  NOT_NULL(hs_pair_events_update, (events, NULL, NULL), "bvh");
+  NOT_NULL(hs_pair_events_update_of, (events, bvh, NULL, 1, NULL), "changed");
   CHECK_OK(hs_pair_event_options_default(&event_options, sizeof event_options));
   event_options.margin = -1;
   INVALID(
@@ -380,8 +372,7 @@ static void test_handles_and_outputs(void) {
       "options->margin: expected a finite number that is not negative, got -1");
   INVALID(hs_pair_events_load, (events, &swapped, 1),
           "pairs[0]: expected a < b < 4294967295, got 2 and 1");
-  INVALID(hs_pair_events_began, (events, NULL, &total),
-          "pairs: expected a pointer, got null");
+  NOT_NULL(hs_pair_events_began, (events, NULL, &total), "pairs");
   hs_pair_events_destroy(events);
   INVALID(hs_bvh_pairs, (simplex, NULL, &pair, 1, &total),
           "expected BVHs of boxes or octahedra, got simplices, which have no "
@@ -392,25 +383,16 @@ static void test_handles_and_outputs(void) {
   CHECK_OK(hs_scan_options_default(&scan_options, sizeof(scan_options)));
   options.target = pair_options.target = "x";
   bound_options.target = scan_options.target = "x";
-  INVALID(hs_bvh_count, (bvh, &columns, &options, &total),
-          "options->target: expected null or a name of hs_target_name(), got "
-          "\"x\"");
-  INVALID(hs_bvh_pairs, (bvh, &pair_options, &pair, 1, &total),
-          "options->target: expected null or a name of hs_target_name(), got "
-          "\"x\"");
-  INVALID(hs_bound_boxes, (HS_BOX3, &columns, &bound_options, bounds, NULL),
-          "options->target: expected null or a name of hs_target_name(), got "
-          "\"x\"");
-  INVALID(hs_scan_counts, (scan, &columns, &scan_options, &total),
-          "options->target: expected null or a name of hs_target_name(), got "
-          "\"x\"");
+  BAD_TARGET(hs_bvh_count, (bvh, &columns, &options, &total));
+  BAD_TARGET(hs_bvh_pairs, (bvh, &pair_options, &pair, 1, &total));
+  BAD_TARGET(hs_bound_boxes, (HS_BOX3, &columns, &bound_options, bounds, NULL));
+  BAD_TARGET(hs_scan_counts, (scan, &columns, &scan_options, &total));
   pair_options.target = NULL;
   pair_options.margin = INFINITY;
   INVALID(hs_bvh_pairs, (bvh, &pair_options, &pair, 1, &total),
           "options->margin: expected a finite number that is not negative, got "
           "inf");
-  INVALID(hs_bvh_pairs_each, (bvh, NULL, NULL, NULL),
-          "function: expected a pointer, got null");
+  NOT_NULL(hs_bvh_pairs_each, (bvh, NULL, NULL, NULL), "function");
 
   INVALID(hs_scan_masks, (scan, &columns, NULL, &word, 1),
           "words: expected at least 1 for each of 2 queries, got 1");
@@ -419,7 +401,7 @@ static void test_handles_and_outputs(void) {
   scan_options.end = 1;
   INVALID(hs_scan_masks, (scan, &columns, &scan_options, &word, 1),
           "options: expected a `begin` of at most `end`, got 2 and 1");
-  INVALID(hs_bvh_save, (bvh, NULL), "path: expected a pointer, got null");
+  NOT_NULL(hs_bvh_save, (bvh, NULL), "path");
   hs_scan_destroy(scan);
   hs_bvh_destroy(simplex);
   hs_bvh_destroy(other);
@@ -459,31 +441,23 @@ static void test_bodies(void) {
   INVALID(hs_broad_phase_create, (&config, &bodies),
           "config->kind: expected an enumerator of hs_kind, got 7");
   config.kind = HS_BOX2;
-  INVALID(hs_broad_phase_create, (NULL, &bodies),
-          "config: expected a pointer, got null");
+  NOT_NULL(hs_broad_phase_create, (NULL, &bodies), "config");
   CHECK(bodies == NULL);
   CHECK_OK(hs_broad_phase_create(&config, &bodies));
   INVALID(hs_broad_phase_insert, (bodies, large, &columns, NULL),
           "ids[1]: expected an id below 2^31, got 2147483648");
   INVALID(hs_broad_phase_insert, (bodies, twice, &columns, masks),
           "ids[1]: expected an id that no body has, once in the list, got 5");
-  INVALID(hs_broad_phase_insert, (bodies, NULL, &columns, NULL),
-          "ids: expected a pointer, got null");
+  NOT_NULL(hs_broad_phase_insert, (bodies, NULL, &columns, NULL), "ids");
   CHECK_OK(hs_broad_phase_size(bodies, &size));
   CHECK(size == 0);
   CHECK_OK(hs_broad_phase_insert(bodies, ids, &one, NULL));
-  INVALID(hs_broad_phase_move, (bodies, ids, &columns),
-          "ids[1]: expected the id of a body, got 900");
-  INVALID(hs_broad_phase_erase, (bodies, ids, 2),
-          "ids[1]: expected the id of a body, got 900");
-  INVALID(hs_broad_phase_set_masks, (bodies, ids, masks, 2),
-          "ids[1]: expected the id of a body, got 900");
-  INVALID(hs_broad_phase_set_masks, (bodies, ids, NULL, 1),
-          "masks: expected a pointer, got null");
-  INVALID(hs_broad_phase_get, (bodies, ids, 2, NULL, NULL),
-          "ids[1]: expected the id of a body, got 900");
-  INVALID(hs_broad_phase_probe, (bodies, &one, NULL, NULL, NULL),
-          "function: expected a pointer, got null");
+  NO_BODY(hs_broad_phase_move, (bodies, ids, &columns));
+  NO_BODY(hs_broad_phase_erase, (bodies, ids, 2));
+  NO_BODY(hs_broad_phase_set_masks, (bodies, ids, masks, 2));
+  NOT_NULL(hs_broad_phase_set_masks, (bodies, ids, NULL, 1), "masks");
+  NO_BODY(hs_broad_phase_get, (bodies, ids, 2, NULL, NULL));
+  NOT_NULL(hs_broad_phase_probe, (bodies, &one, NULL, NULL, NULL), "function");
   one = hs_double_rows(doubles, 1, 3);
   INVALID(hs_broad_phase_probe, (bodies, &one, &query, no_ids, NULL),
           "queries->type: expected HS_FLOAT32, as these cannot be rounded "
@@ -507,24 +481,22 @@ static void test_bodies(void) {
   INVALID(hs_broad_phase_boxcast_each,
           (bodies, &columns, &motions, NULL, no_hit, NULL),
           "motions->count: expected one for each of 2 boxes, got 1");
-  INVALID(hs_broad_phase_boxcast, (bodies, &one, &motions, NULL, NULL, NULL),
-          "ids: expected a pointer, got null");
-  INVALID(hs_broad_phase_raycast_each, (bodies, &one, 0, NULL, NULL, NULL),
-          "function: expected a pointer, got null");
+  NOT_NULL(hs_broad_phase_boxcast, (bodies, &one, &motions, NULL, NULL, NULL),
+           "ids");
+  NOT_NULL(hs_broad_phase_raycast_each, (bodies, &one, 0, NULL, NULL, NULL),
+           "function");
   motions = hs_double_rows(doubles, 1, 3);
   INVALID(hs_broad_phase_boxcast_each,
           (bodies, &one, &motions, NULL, no_hit, NULL),
           "motions->type: expected HS_FLOAT32, as these cannot be rounded "
           "outward, got HS_FLOAT64");
-  INVALID(hs_broad_phase_pairs_of, (bodies, ids, 2, NULL, &pair, 1, &size),
-          "ids[1]: expected the id of a body, got 900");
+  NO_BODY(hs_broad_phase_pairs_of, (bodies, ids, 2, NULL, &pair, 1, &size));
   CHECK_OK(hs_pair_options_default(&pair_options, sizeof(pair_options)));
   pair_options.margin = -1;
   INVALID(
       hs_broad_phase_pairs_of, (bodies, ids, 1, &pair_options, &pair, 1, &size),
       "options->margin: expected a finite number that is not negative, got -1");
-  INVALID(hs_broad_phase_began, (bodies, NULL, &size),
-          "pairs: expected a pointer, got null");
+  NOT_NULL(hs_broad_phase_began, (bodies, NULL, &size), "pairs");
   CHECK_OK(hs_update_options_default(&options, sizeof(options)));
   options.struct_size = 3;
   INVALID(hs_broad_phase_update, (bodies, &options),
@@ -532,8 +504,7 @@ static void test_bodies(void) {
           "..._default() sets it, got 3");
   INVALID(hs_broad_phase_statistics, (bodies, &statistics, 3),
           "struct_size: expected the sizeof of the struct, got 3");
-  INVALID(hs_broad_phase_validate, (NULL, NULL),
-          "bodies: expected a pointer, got null");
+  NOT_NULL(hs_broad_phase_validate, (NULL, NULL), "bodies");
   // Wrong bytes change nothing.
   CHECK_OK(hs_broad_phase_save(bodies, bytes, sizeof(bytes), &size));
   CHECK(size > 64 && size <= sizeof(bytes));
@@ -541,8 +512,7 @@ static void test_bodies(void) {
               "hs_broad_phase_load: data: expected all bytes of "
               "BroadPhase::Save(), got 20 bytes");
   CHECK(hs_broad_phase_load(bodies, bytes, size - 64) == HS_CORRUPT);
-  INVALID(hs_broad_phase_load, (bodies, NULL, size),
-          "data: expected a pointer, got null");
+  NOT_NULL(hs_broad_phase_load, (bodies, NULL, size), "data");
   bytes[9] ^= 1;
   CHECK(hs_broad_phase_load(bodies, bytes, size) == HS_CORRUPT);
   CHECK_OK(hs_broad_phase_get(bodies, ids, 1, record, NULL));

@@ -93,10 +93,8 @@ static void test_kinds(void) {
                 "others");
     CHECK(hs_blob_kind(objects, sizeof(objects), &kind) == HS_CORRUPT);
     CHECK(kind == (hs_kind)0);
-    INVALID(hs_blob_kind, (NULL, size, &kind),
-            "data: expected a pointer, got null");
-    INVALID(hs_blob_kind, (blob, size, NULL),
-            "kind: expected a pointer, got null");
+    NOT_NULL(hs_blob_kind, (NULL, size, &kind), "data");
+    NOT_NULL(hs_blob_kind, (blob, size, NULL), "kind");
     destroy(&bvh);
   }
 }

@@ -552,7 +552,8 @@ void CheckQueries(const World& world, const typename Functions::Handle* handle,
 
 // `nearest(q, ids, distances, options)` is the C++ call.
 template <typename Call, typename Nearest>
-void CheckNearest(const Call& call, const Nearest& nearest) {
+void CheckNearest(float max_distance, const Call& call,
+                  const Nearest& nearest) {
   constexpr std::size_t kNearest = 5;
   for (std::uint32_t mask : {kAll, 6u}) {
     hs_query_options options = DefaultsOf(&hs_query_options_default);
@@ -564,8 +565,10 @@ void CheckNearest(const Call& call, const Nearest& nearest) {
     std::vector<std::uint32_t> ids(kQueries * kNearest);
     std::vector<std::uint32_t> without_distances(ids.size());
     std::vector<float> distances(ids.size());
-    CHECK_OK(call(kNearest, &options, ids.data(), distances.data()));
-    CHECK_OK(call(kNearest, &options, without_distances.data(), nullptr));
+    CHECK_OK(
+        call(kNearest, max_distance, &options, ids.data(), distances.data()));
+    CHECK_OK(call(kNearest, max_distance, &options, without_distances.data(),
+                  nullptr));
     CHECK(ids == without_distances &&
           *std::min_element(ids.begin(), ids.end()) != HS_NO_ID);
     for (std::size_t q = 0; q < kQueries; ++q) {
@@ -691,6 +694,12 @@ void CheckPairs(const List& list, const Each& each, const Pairs& pairs,
   }
 }
 
+// A function of C with its first arguments.
+template <typename Function, typename... First>
+auto Of(const Function& function, First... first) {
+  return [=](auto... rest) { return function(first..., rest...); };
+}
+
 template <typename Functions, typename World>
 void CheckSearches(const World& world, const typename Functions::Handle* handle,
                    const std::vector<std::uint32_t>& ids) {
@@ -702,49 +711,40 @@ void CheckSearches(const World& world, const typename Functions::Handle* handle,
   const Records spheres = RandomNumbers(kQueries, kDims + 1, 23, 0.1);
   const Records boxes = RandomBounds(kQueries, kDims, kDims, 0.1, 24, false);
   const Records rounded = RandomNumbers(kQueries, 2 * kDims + 1, 25, 0.1);
+  const auto check = [&](const hs_columns& columns, const auto& queries,
+                         hs_shape shape, std::uint32_t mask) {
+    CheckQueries<Functions>(world, handle, columns, queries, shape, mask);
+  };
+  const auto as_bounds = Its::template All<typename View::Query>(bounds);
   hs_columns one = Its::Queries(bounds, kRows);
   one.count = 1;
-  CheckQueries<Functions>(world, handle, one,
-                          Its::template All<typename View::Query>(bounds),
-                          HS_SHAPE_BOUND, kAll);
+  check(one, as_bounds, HS_SHAPE_BOUND, kAll);
   for (std::uint32_t mask : {kAll, 6u}) {
     for (Form form : kForms) {
-      CheckQueries<Functions>(world, handle, Its::Queries(bounds, form),
-                              Its::template All<typename View::Query>(bounds),
-                              HS_SHAPE_BOUND, mask);
+      check(Its::Queries(bounds, form), as_bounds, HS_SHAPE_BOUND, mask);
       if (form == kDoubles) continue;
-      CheckQueries<Functions>(world, handle, points.In(form),
-                              Shapes<Point<kDims>>(points), HS_SHAPE_POINT,
-                              mask);
-      CheckQueries<Functions>(world, handle, spheres.In(form),
-                              Shapes<Sphere<kDims>>(spheres), HS_SHAPE_SPHERE,
-                              mask);
-      CheckQueries<Functions>(world, handle, rounded.In(form),
-                              Shapes<RoundedBox<kDims>>(rounded),
-                              HS_SHAPE_ROUNDED_BOX, mask);
+      check(points.In(form), Shapes<Point<kDims>>(points), HS_SHAPE_POINT,
+            mask);
+      check(spheres.In(form), Shapes<Sphere<kDims>>(spheres), HS_SHAPE_SPHERE,
+            mask);
+      check(rounded.In(form), Shapes<RoundedBox<kDims>>(rounded),
+            HS_SHAPE_ROUNDED_BOX, mask);
     }
   }
 
   const auto as_boxes = Shapes<Aabb<kDims>>(boxes);
   for (Form form : kForms) {
     const hs_columns of_boxes = boxes.In(form);
-    CheckNearest(
-        [&](std::size_t k, auto... rest) {
-          return Functions::kNearestToBoxes(handle, &of_boxes, k, 0.05f,
-                                            rest...);
-        },
-        [&](std::size_t q, auto& its_ids, auto& distances,
-            const auto& options) {
-          return KNearest(world, as_boxes[q], its_ids, distances, 0.05f,
-                          options);
-        });
+    CheckNearest(0.05f, Of(Functions::kNearestToBoxes, handle, &of_boxes),
+                 [&](std::size_t q, auto& its_ids, auto& distances,
+                     const auto& options) {
+                   return KNearest(world, as_boxes[q], its_ids, distances,
+                                   0.05f, options);
+                 });
     // A point of doubles is the box of floats around it.
     const hs_columns of_points = points.In(form);
     CheckNearest(
-        [&](std::size_t k, auto... rest) {
-          return Functions::kNearestToPoints(handle, &of_points, k, kInfinity,
-                                             rest...);
-        },
+        kInfinity, Of(Functions::kNearestToPoints, handle, &of_points),
         [&](std::size_t q, auto& its_ids, auto& distances,
             const auto& options) {
           Aabb<kDims> box;
@@ -784,57 +784,32 @@ void CheckSearches(const World& world, const typename Functions::Handle* handle,
     const hs_columns of_motions = motions.In(form == kDoubles ? kRows : form);
     const hs_columns of_boxes = boxes.In(form);
     const hs_columns of_spheres = spheres.In(form);
-    const auto box_cast = [&](std::size_t i, const auto& function,
-                              const auto& options) {
-      BoxCast(world, as_boxes[i], as_motions[i].direction, as_motions[i].max_t,
-              function, options);
-    };
-    CheckCasts(
-        [&](auto... rest) {
-          return Functions::kBoxCastEach(handle, &of_boxes, &of_motions,
-                                         rest...);
-        },
-        [&](auto... rest) {
-          return Functions::kBoxCast(handle, &of_boxes, &of_motions, rest...);
-        },
-        box_cast);
+    CheckCasts(Of(Functions::kBoxCastEach, handle, &of_boxes, &of_motions),
+               Of(Functions::kBoxCast, handle, &of_boxes, &of_motions),
+               [&](std::size_t i, const auto& function, const auto& options) {
+                 BoxCast(world, as_boxes[i], as_motions[i].direction,
+                         as_motions[i].max_t, function, options);
+               });
     if (form == kDoubles) continue;
-    CheckCasts(
-        [&](auto... rest) {
-          return Functions::kRayCastEach(handle, &of_rays, 0.01f, rest...);
-        },
-        [&](auto... rest) {
-          return Functions::kRayCast(handle, &of_rays, 0.01f, rest...);
-        },
-        [&](std::size_t i, const auto& function, const auto& options) {
-          RayCast(world, as_rays[i], 0.01f, function, options);
-        });
-    CheckCasts(
-        [&](auto... rest) {
-          return Functions::kSphereCastEach(handle, &of_spheres, &of_motions,
-                                            rest...);
-        },
-        [&](auto... rest) {
-          return Functions::kSphereCast(handle, &of_spheres, &of_motions,
-                                        rest...);
-        },
-        [&](std::size_t i, const auto& function, const auto& options) {
-          SphereCast(world, as_spheres[i], as_motions[i].direction,
-                     as_motions[i].max_t, function, options);
-        });
+    CheckCasts(Of(Functions::kRayCastEach, handle, &of_rays, 0.01f),
+               Of(Functions::kRayCast, handle, &of_rays, 0.01f),
+               [&](std::size_t i, const auto& function, const auto& options) {
+                 RayCast(world, as_rays[i], 0.01f, function, options);
+               });
+    CheckCasts(Of(Functions::kSphereCastEach, handle, &of_spheres, &of_motions),
+               Of(Functions::kSphereCast, handle, &of_spheres, &of_motions),
+               [&](std::size_t i, const auto& function, const auto& options) {
+                 SphereCast(world, as_spheres[i], as_motions[i].direction,
+                            as_motions[i].max_t, function, options);
+               });
   }
 
   if constexpr (!Its::kIsSimplex) {
     std::vector<std::uint32_t> wanted;
     for (std::uint32_t id : ids) wanted.push_back(1u << id % 4);
     CheckPairs(
-        [&](auto... rest) {
-          return Functions::kPairsOf(handle, ids.data(), ids.size(), rest...);
-        },
-        [&](auto... rest) {
-          return Functions::kPairsOfEach(handle, ids.data(), ids.size(),
-                                         rest...);
-        },
+        Of(Functions::kPairsOf, handle, ids.data(), ids.size()),
+        Of(Functions::kPairsOfEach, handle, ids.data(), ids.size()),
         [&](Span<IdPair> pairs, const PairOptions& options) {
           return PairsOf(world, ids, pairs, options);
         },
@@ -982,8 +957,7 @@ void TestBvh() {
       std::size_t parts = 0;
       CHECK_OK(hs_bvh_pair_parts(bvh, &parts));
       CHECK(parts == PairParts(expected));
-      CheckPairs([&](auto... rest) { return hs_bvh_pairs(bvh, rest...); },
-                 [&](auto... rest) { return hs_bvh_pairs_each(bvh, rest...); },
+      CheckPairs(Of(&hs_bvh_pairs, bvh), Of(&hs_bvh_pairs_each, bvh),
                  [&](Span<IdPair> pairs, const PairOptions& options) {
                    return Pairs(expected, pairs, options);
                  });
@@ -991,12 +965,11 @@ void TestBvh() {
       const Bvh<View> other{Span<const Bound>(bounds), build};
       hs_bvh* second = nullptr;
       CHECK_OK(hs_bvh_create(&config, &columns, &second));
-      CheckPairs(
-          [&](auto... rest) { return hs_bvh_join(bvh, second, rest...); },
-          [&](auto... rest) { return hs_bvh_join_each(bvh, second, rest...); },
-          [&](Span<IdPair> pairs, const PairOptions& options) {
-            return Pairs(expected, other, pairs, options);
-          });
+      CheckPairs(Of(&hs_bvh_join, bvh, second),
+                 Of(&hs_bvh_join_each, bvh, second),
+                 [&](Span<IdPair> pairs, const PairOptions& options) {
+                   return Pairs(expected, other, pairs, options);
+                 });
       hs_bvh_destroy(second);
     }
     hs_bvh_destroy(bvh);

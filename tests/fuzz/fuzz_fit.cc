@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "tests/fuzz/bytes.h"
-#include "tests/fuzz/print.h"
 #include "tests/fuzz/run_input.h"
 #include "tests/library/fit/builders.h"
 #include "tests/library/fit/exact_answers.h"

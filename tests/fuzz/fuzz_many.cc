@@ -13,11 +13,9 @@
 #include <vector>
 
 #include "tests/fuzz/bytes.h"
-#include "tests/fuzz/print.h"
 #include "tests/fuzz/run_input.h"
-#include "tests/library/fit_many/bound_of_one.h"
 #include "tests/library/fit_many/bulk.h"
-#include "tests/library/support/environment.h"
+#include "tests/library/fit_many/bulk_answers.h"
 #include "tests/library/support/fp_modes.h"
 
 namespace halfspace::testing {
@@ -68,6 +66,7 @@ class Many {
         })) {
       return ::testing::AssertionSuccess();
     }
+    BulkAnswers answers(bulk_, shapes, options_);
     Arena arena(offset_, Arena::kFiniteCanary);
     BulkSource source(bulk_, shapes);
     // A corner of a triangle that does not exist.
@@ -78,60 +77,10 @@ class Many {
     if (has_bad) {
       source.indices[corner] =
           static_cast<std::uint32_t>(source.indices.size() + bad_index_);
+      answers.Set(corner / 3, bulk_.single().Everything());
     }
     source.Place(arena, layout_);
-    std::vector<Planes> expected;
-    FitStatus expected_status{.results = shapes.size()};
-    for (std::size_t i = 0; i < shapes.size(); ++i) {
-      expected.push_back(has_bad && i == corner / 3
-                             ? bulk_.single().Everything()
-                             : Single(shapes[i]));
-      if (expected[i] == bulk_.single().Everything() &&
-          expected_status.everything++ == 0) {
-        expected_status.first_everything = i;
-      }
-    }
-    std::vector<Planes> first;
-    for (Target target : TargetsUnderTest()) {
-      const BulkOutput built(bulk_, shapes.size(), arena);
-      detail::Output output;
-      output.size = shapes.size();
-      for (std::size_t p = 0; p < bulk_.planes(); ++p) {
-        if (!IsWanted(p)) continue;
-        output.Want(p, built.output().planes[p]);
-      }
-      FitOptions options = options_;
-      options.target = target;
-      FitStatus status;
-      Target ran;
-      RunIn(mode_, [&] { ran = source.Bound(output, options, &status); });
-      const auto wrong = [&] {
-        return ::testing::AssertionFailure() << "on " << target.name() << ": ";
-      };
-      if (ran != target) return wrong() << "ran on " << ran.name();
-      if (!arena.Intact()) return wrong() << "wrote elsewhere";
-      if (status.results != expected_status.results ||
-          status.everything != expected_status.everything ||
-          status.first_everything != expected_status.first_everything) {
-        return wrong() << "a wrong status";
-      }
-      for (std::size_t i = 0; i < shapes.size(); ++i) {
-        Planes bound = expected[i];
-        for (std::size_t p = 0; p < bulk_.planes(); ++p) {
-          if (IsWanted(p)) bound[p] = output.planes[p][i];
-        }
-        if (first.size() <= i) {
-          first.push_back(bound);
-          auto result = IsBoundOfOne(bulk_, bound, expected[i], shapes[i],
-                                     options_.tightest);
-          if (!result) return result << ", shape " << i;
-        }
-        if (!SameBits(bound, first[i])) {
-          return wrong() << "shape " << i << " has another bound";
-        }
-      }
-    }
-    return ::testing::AssertionSuccess();
+    return answers.Check(source, arena, wanted_, mode_);
   }
 
   friend std::ostream& operator<<(std::ostream& out, const Many& many) {
@@ -146,8 +95,6 @@ class Many {
   }
 
  private:
-  bool IsWanted(std::size_t p) const { return (wanted_ >> p & 1) != 0; }
-
   // Whether rounding decides if the shape can be bounded, and so the order of
   // the sum.
   bool IsAtTheLimit(const std::vector<double>& numbers) const {
@@ -160,19 +107,6 @@ class Many {
       if (std::fabs(sum - 0x1p125) <= 0x1p105) return true;
     }
     return false;
-  }
-
-  // An inverted box is a mistake, or empty.
-  Planes Single(const std::vector<double>& numbers) const {
-    bool is_inverted = false;
-    bool has_nan = false;
-    for (std::size_t k = 0; bulk_.kind == Kind::kBox && k < bulk_.dims; ++k) {
-      is_inverted |= numbers[k] > numbers[bulk_.dims + k];
-      has_nan |= std::isnan(numbers[k]) || std::isnan(numbers[bulk_.dims + k]);
-    }
-    return is_inverted && !has_nan && options_.inverted == Inverted::kEmpty
-               ? bulk_.single().Empty()
-               : bulk_.Single(numbers);
   }
 
   FpMode mode_;

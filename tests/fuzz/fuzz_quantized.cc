@@ -16,9 +16,8 @@
 #include <vector>
 
 #include "tests/fuzz/bytes.h"
-#include "tests/fuzz/print.h"
 #include "tests/fuzz/run_input.h"
-#include "tests/library/quantized/quantized_answers.h"
+#include "tests/library/support/answers.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/fp_modes.h"
 #include "tests/library/support/owners.h"

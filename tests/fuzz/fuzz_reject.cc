@@ -10,9 +10,9 @@
 
 #include "halfspace/reject.h"
 #include "tests/fuzz/bytes.h"
-#include "tests/fuzz/print.h"
 #include "tests/fuzz/run_input.h"
 #include "tests/library/support/answers.h"
+#include "tests/library/support/canaries.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/flat_cases.h"
 

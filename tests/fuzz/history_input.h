@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "tests/fuzz/bytes.h"
-#include "tests/fuzz/print.h"
+#include "tests/fuzz/run_input.h"
 #include "tests/library/bvh/history.h"
 #include "tests/library/support/environment.h"
 

@@ -8,7 +8,10 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <ios>
 #include <iostream>
+#include <sstream>
+#include <string>
 
 #include "tests/fuzz/bytes.h"
 
@@ -16,6 +19,20 @@ namespace halfspace::testing {
 
 // Decodes one input and checks it; each fuzzer defines its own.
 void RunInput(Bytes& bytes);
+
+// Numbers as text, so that nothing of them is lost.
+template <typename Numbers>
+std::string Print(const Numbers& numbers) {
+  std::ostringstream text;
+  text << std::hexfloat << '{';
+  const char* separator = "";
+  for (auto number : numbers) {
+    text << separator << number;
+    separator = ", ";
+  }
+  text << '}';
+  return text.str();
+}
 
 // Ends the process, which makes the fuzzer keep the bytes, if the check fails.
 // HALFSPACE_FUZZ_PRINT in the environment prints every input before its check,

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "halfspace/halfspace.h"
@@ -22,9 +23,11 @@
 namespace halfspace::testing {
 namespace {
 
+template <int... kDims>
+using BodiesOf =
+    ::testing::Types<Whole<AabbView<kDims>>..., Whole<AaboView<kDims>>...>;
 using BroadPhaseCases =
-    Tested<::testing::Types<Whole<AabbView2>, Whole<AabbView3>,
-                            Whole<AaboView2>, Whole<AaboView3>>>;
+    std::conditional_t<kTestsOnly3d, BodiesOf<3>, BodiesOf<2, 3>>;
 template <typename Case>
 class BroadPhaseHashTest : public ::testing::Test {};
 TYPED_TEST_SUITE(BroadPhaseHashTest, BroadPhaseCases, CaseNames);

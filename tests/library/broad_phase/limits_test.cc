@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <new>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,6 +29,12 @@ Ids IdsUpTo(std::uint32_t count) {
   Ids ids(count);
   for (std::uint32_t id = 0; id < count; ++id) ids[id] = id;
   return ids;
+}
+
+std::vector<Aabb3> Some(std::size_t count, Spread<AabbView3>& spread) {
+  std::vector<Aabb3> boxes(count);
+  for (Aabb3& box : boxes) box = spread.NextObject();
+  return boxes;
 }
 
 template <typename Query>
@@ -215,8 +220,7 @@ Ids OrderOf(const Bodies& bodies) {
 TEST(BroadPhaseBudgetTest, TheOrderDependsOnChangesAlone) {
   constexpr std::uint32_t kCount = 6'000;
   Spread<AabbView3> spread(0.2f);
-  std::vector<Aabb3> boxes(kCount);
-  for (Aabb3& box : boxes) box = spread.NextObject();
+  std::vector<Aabb3> boxes = Some(kCount, spread);
   const Ids ids = IdsUpTo(kCount);
   Bodies with_updates_alone;
   with_updates_alone.Insert(ids, boxes);
@@ -224,22 +228,16 @@ TEST(BroadPhaseBudgetTest, TheOrderDependsOnChangesAlone) {
   Bodies saved(with_updates_alone);
   for (int frame = 0; frame < 60; ++frame) {
     const Ids some = {ids.begin() + frame * 40, ids.begin() + frame * 40 + 400};
-    std::vector<Aabb3> moved(some.size());
     for (int pass = 0; pass < 2; ++pass) {
-      for (Aabb3& box : moved) box = spread.NextObject();
+      const std::vector<Aabb3> moved = Some(some.size(), spread);
       for (Bodies* bodies : {&with_updates_alone, &with_queries, &saved}) {
         bodies->Move(some, moved);
       }
       EXPECT_EQ(CountSurvivors(with_queries, Aabb3::Everything()), kCount);
-      std::vector<std::byte> bytes;
-      saved.Save([&](Span<const std::byte> part) {
-        bytes.insert(bytes.end(), part.begin(), part.end());
-      });
-      saved.Load(bytes);
+      saved.Load(BytesOf(saved));
       // Others come and go, into leaves that have moved.
       const Ids others = {ids.end() - 50, ids.end()};
-      std::vector<Aabb3> new_boxes(others.size());
-      for (Aabb3& box : new_boxes) box = spread.NextObject();
+      const std::vector<Aabb3> new_boxes = Some(others.size(), spread);
       for (Bodies* bodies : {&with_updates_alone, &with_queries, &saved}) {
         bodies->Erase(others);
         bodies->Insert(others, new_boxes);
@@ -257,13 +255,11 @@ TEST(BroadPhaseBudgetTest, LimitsHowManyAreSortedAgain) {
   constexpr std::uint32_t kCount = 40'000;
   Bodies bodies;
   Spread<AabbView3> spread(0.5f);
-  std::vector<Aabb3> boxes(kCount);
-  for (Aabb3& box : boxes) box = spread.NextObject();
+  std::vector<Aabb3> boxes = Some(kCount, spread);
   const Ids ids = IdsUpTo(kCount);
   bodies.Insert(ids, boxes);
   EXPECT_EQ(bodies.Statistics().cost_ratio, 1);
-  for (Aabb3& box : boxes) box = spread.NextObject();
-  bodies.Move(ids, boxes);
+  bodies.Move(ids, Some(kCount, spread));
   const Ids sorted = OrderOf(bodies);
   const auto differ = [](const Ids& a, const Ids& b) {
     std::size_t count = 0;
@@ -300,8 +296,7 @@ TEST(BroadPhaseBudgetTest, TheOrderDoesNotDecay) {
   constexpr std::uint32_t kCount = 10'000;
   Bodies bodies;
   Spread<AabbView3> spread(0.5f);
-  std::vector<Aabb3> boxes(kCount);
-  for (Aabb3& box : boxes) box = spread.NextObject();
+  std::vector<Aabb3> boxes = Some(kCount, spread);
   const Ids ids = IdsUpTo(kCount);
   bodies.Insert(ids, boxes);
   Random random(1);
@@ -325,8 +320,7 @@ TEST(BroadPhaseBudgetTest, AFewFarMovesAreSortedInTheEnd) {
   constexpr std::uint32_t kCount = 40'000;
   Bodies bodies;
   Spread<AabbView3> spread(0.5f);
-  std::vector<Aabb3> boxes(kCount);
-  for (Aabb3& box : boxes) box = spread.NextObject();
+  std::vector<Aabb3> boxes = Some(kCount, spread);
   bodies.Insert(IdsUpTo(kCount), boxes);
   for (std::uint32_t id = 0; id < 600; ++id) {
     bodies.Move(id, boxes[kCount - 1 - id]);
@@ -351,67 +345,46 @@ TEST(BroadPhaseErrorsTest, SayWhatWasWrong) {
   const Ids ids = {1, 2};
   const std::vector<Aabb3> boxes(2, kUnit);
   const std::vector<BodyMasks> masks(2);
-  struct Case {
-    std::function<void()> call;
-    std::initializer_list<std::string_view> parts;
-  };
-  const std::function<void(std::uint32_t, float)> hit;
-  const Case cases[] = {
-      {[&] {
-         bodies.Insert(Ids{2, 0x80000000}, boxes);
-       },
-       {"BroadPhase::Insert", "ids[1]", "below 2^31", "got 2147483648"}},
-      {[&] {
-         bodies.Insert(Ids{2, 1}, boxes);
-       },
-       {"BroadPhase::Insert", "ids[1]", "no body has", "got 1"}},
-      {[&] {
-         bodies.Insert(Ids{2, 2}, boxes);
-       },
-       {"BroadPhase::Insert", "ids[1]", "once in the list", "got 2"}},
-      {[&] { bodies.Insert(Ids{2}, boxes); },
-       {"BroadPhase::Insert", "bounds", "1", "got 2"}},
-      {[&] {
-         bodies.Insert(Ids{2}, {&kUnit, 1}, masks);
-       },
-       {"BroadPhase::Insert", "masks", "1", "got 2"}},
-      {[&] { bodies.Move(ids, boxes); },
-       {"BroadPhase::Move", "ids[1]", "a body", "got 2"}},
-      {[&] { bodies.Move(ids, {}); },
-       {"BroadPhase::Move", "bounds", "2", "got 0"}},
-      {[&] { bodies.Erase(ids); },
-       {"BroadPhase::Erase", "ids[1]", "a body", "got 2"}},
-      {[&] { bodies.Erase(4'000'000'000u); },
-       {"BroadPhase::Erase", "ids[0]", "got 4000000000"}},
-      {[&] {
-         bodies.Erase({nullptr, 3});
-       },
-       {"BroadPhase::Erase", "ids", "3", "a null pointer"}},
-      {[&] { bodies.SetMasks(ids, masks); },
-       {"BroadPhase::SetMasks", "ids[1]", "a body", "got 2"}},
-      {[&] { (void)bodies.Get(2); }, {"BroadPhase::Get", "a body", "got 2"}},
-      {[&] { (void)bodies.MasksOf(10); },
-       {"BroadPhase::MasksOf", "a body", "got 10"}},
-      {[&] { (void)PairsOf(bodies, ids, {}); },
-       {"PairsOf", "ids[1]", "a body", "got 2"}},
-      {[&] {
-         (void)CountSurvivors(bodies, Sphere3{{0, 0, 0}, -1});
-       },
-       {"CountSurvivors", "radius", "-1"}},
-      {[&] {
-         BoxCast(bodies, kUnit, {1, 0, 0}, -1, [](auto...) {});
-       },
-       {"BoxCast", "max_t", "-1"}},
-      {[&] { (void)KNearest(bodies, Point<3>{}, {}, {}, -1); },
-       {"KNearest", "max_distance", "-1"}},
-      {[&] { bodies.Load({}); }, {"BroadPhase::Load", "bytes", "0 bytes"}},
-      {[&] { bodies.Load(MakeBodies(Layout(3, 4, true))->Save()); },
-       {"BroadPhase::Load", "bytes", "of this type"}},
-  };
+  const std::vector<std::byte> of_others =
+      MakeBodies(Layout(3, 4, true))->Save();
   const auto expect = [&] {
-    for (const Case& one : cases) {
-      EXPECT_TRUE(Refuses(one.call, one.parts)) << *one.parts.begin();
-    }
+    EXPECT_REFUSED((bodies.Insert(Ids{2, 0x80000000}, boxes)),
+                   "BroadPhase::Insert", "ids[1]", "below 2^31",
+                   "got 2147483648");
+    EXPECT_REFUSED((bodies.Insert(Ids{2, 1}, boxes)), "BroadPhase::Insert",
+                   "ids[1]", "no body has", "got 1");
+    EXPECT_REFUSED((bodies.Insert(Ids{2, 2}, boxes)), "BroadPhase::Insert",
+                   "ids[1]", "once in the list", "got 2");
+    EXPECT_REFUSED((bodies.Insert(Ids{2}, boxes)), "BroadPhase::Insert",
+                   "bounds", "1", "got 2");
+    EXPECT_REFUSED((bodies.Insert(Ids{2}, {&kUnit, 1}, masks)),
+                   "BroadPhase::Insert", "masks", "1", "got 2");
+    EXPECT_REFUSED((bodies.Move(ids, boxes)), "BroadPhase::Move", "ids[1]",
+                   "a body", "got 2");
+    EXPECT_REFUSED((bodies.Move(ids, {})), "BroadPhase::Move", "bounds", "2",
+                   "got 0");
+    EXPECT_REFUSED((bodies.Erase(ids)), "BroadPhase::Erase", "ids[1]", "a body",
+                   "got 2");
+    EXPECT_REFUSED((bodies.Erase(4'000'000'000u)), "BroadPhase::Erase",
+                   "ids[0]", "got 4000000000");
+    EXPECT_REFUSED((bodies.Erase({nullptr, 3})), "BroadPhase::Erase", "ids",
+                   "3", "a null pointer");
+    EXPECT_REFUSED((bodies.SetMasks(ids, masks)), "BroadPhase::SetMasks",
+                   "ids[1]", "a body", "got 2");
+    EXPECT_REFUSED((bodies.Get(2)), "BroadPhase::Get", "a body", "got 2");
+    EXPECT_REFUSED((bodies.MasksOf(10)), "BroadPhase::MasksOf", "a body",
+                   "got 10");
+    EXPECT_REFUSED((PairsOf(bodies, ids, {})), "PairsOf", "ids[1]", "a body",
+                   "got 2");
+    EXPECT_REFUSED((CountSurvivors(bodies, Sphere3{{0, 0, 0}, -1})),
+                   "CountSurvivors", "radius", "-1");
+    EXPECT_REFUSED((BoxCast(bodies, kUnit, {1, 0, 0}, -1, [](auto...) {})),
+                   "BoxCast", "max_t", "-1");
+    EXPECT_REFUSED((KNearest(bodies, Point<3>{}, {}, {}, -1)), "KNearest",
+                   "max_distance", "-1");
+    EXPECT_REFUSED((bodies.Load({})), "BroadPhase::Load", "bytes", "0 bytes");
+    EXPECT_REFUSED((bodies.Load(of_others)), "BroadPhase::Load", "bytes",
+                   "of this type");
     // With a handler of errors, right calls are right.
     EXPECT_EQ(ToldBy([&] {
                 EXPECT_EQ(PairsOf(bodies, Ids{1}, {}), 0u);
@@ -526,18 +499,8 @@ TEST(BroadPhaseMemoryTest, NothingChangesWithoutMemory) {
     ASSERT_EQ(now, pairs);
   };
   const auto change = [&](const std::function<void()>& call) {
-    for (std::size_t tries = 0;; ++tries) {
-      memory.left = tries;
-      bool is_done = true;
-      try {
-        call();
-      } catch (const std::bad_alloc&) {
-        is_done = false;
-      }
-      memory.left = CountingMemory::kNoLimit;
-      if (is_done) return tries;
-      expect(tries);
-    }
+    std::uint64_t seed = 0;
+    return FailuresOf(memory, call, [&] { expect(seed++); });
   };
   const auto insert = [&](std::uint32_t first, std::uint32_t count,
                           bool with_masks) {
@@ -599,17 +562,7 @@ TEST(BroadPhaseMemoryTest, NothingChangesWithoutMemory) {
     bodies.Move(1, kFar);
     model.Move(1, PlanesOf(kFar));
     const auto in_query = [&](const auto& call) {
-      std::size_t tries = 0;
-      for (bool is_done = false; !is_done; ++tries) {
-        memory.left = tries;
-        try {
-          call();
-          is_done = true;
-        } catch (const std::bad_alloc&) {
-        }
-        memory.left = CountingMemory::kNoLimit;
-      }
-      EXPECT_GT(tries, 1u);
+      EXPECT_GT(FailuresOf(memory, call, [] {}), 0u);
     };
     Ids found(9);
     in_query([&] { (void)KNearest(bodies, Point<3>{}, found, {}); });
@@ -684,10 +637,7 @@ TEST(BroadPhaseMemoryTest, TakesWhatTheHeaderSays) {
   EXPECT_LT(bodies.Statistics().bytes, 7000u);
   Spread<AabbView3> spread(0.1f);
   const Ids ids = IdsUpTo(kCount);
-  std::vector<Aabb3> boxes;
-  for (std::uint32_t i = 0; i < kCount; ++i) {
-    boxes.push_back(spread.NextObject());
-  }
+  std::vector<Aabb3> boxes = Some(kCount, spread);
   bodies.Insert(ids, boxes);
   const auto expect = [&](std::size_t most) {
     const BroadPhaseStatistics statistics = bodies.Statistics();

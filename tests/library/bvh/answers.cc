@@ -24,6 +24,13 @@ bool HasMask(const Object& object, std::uint32_t mask) {
   return ~mask == 0 || (object.masks & mask) != 0;
 }
 
+// Any NaN is as another.
+bool AreSame(const Planes& a, const Planes& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), [](float x, float y) {
+    return x == y || (std::isnan(x) && std::isnan(y));
+  });
+}
+
 // A new BVH of the objects, with their ids.
 std::unique_ptr<AnyBvh> NewBvh(const Layout& layout, const Objects& objects) {
   auto bvh = MakeBvh(layout, std::vector<Planes>());
@@ -361,12 +368,7 @@ void ExpectNearest(const Searches& world, const Objects& objects,
       bvh->ForEachNearest(
           place.min, max_distance,
           [&](std::uint32_t id, float distance, const Planes& bound) {
-            EXPECT_TRUE(shrinks || std::equal(bound.begin(), bound.end(),
-                                              objects.at(id).bound.begin(),
-                                              [](float a, float b) {
-                                                return a == b ||
-                                                       (a != a && b != b);
-                                              }));
+            EXPECT_TRUE(shrinks || AreSame(bound, objects.at(id).bound));
             ids.push_back(id);
             distances.push_back(distance);
             if (!shrinks) return Limit{ids.size() < some ? kInf : -kInf};
@@ -447,11 +449,7 @@ void ExpectHits(const Searches& world, const Objects& objects,
           EXPECT_LE(t, limit + detail::kApartOnLine);
           const auto object = objects.find(id);
           EXPECT_TRUE(object != objects.end() &&
-                      std::equal(bound.begin(), bound.end(),
-                                 object->second.bound.begin(),
-                                 [](float a, float b) {
-                                   return a == b || (a != a && b != b);
-                                 }));
+                      AreSame(bound, object->second.bound));
           const float next = how == 0                ? kInf
                              : how == 1              ? t
                              : found.size() % 3 == 0 ? kInf
@@ -835,9 +833,6 @@ void ExpectAnswers(const Searches& world, const Objects& objects,
 void ExpectIsModel(const AnyBvh& world, const Objects& objects,
                    const HowToAsk& how, Random& random) {
   const Layout& layout = world.layout;
-  const auto is_same = [](float a, float b) {
-    return a == b || (a != a && b != b);
-  };
   Planes all = EmptyOf(layout);
   const auto in_use = [&](std::uint32_t id) { return objects.contains(id); };
   for (std::uint32_t id = 0; id < world.tree().id_limit() + 3; ++id) {
@@ -845,10 +840,7 @@ void ExpectIsModel(const AnyBvh& world, const Objects& objects,
   }
   for (const auto& [id, object] : objects) {
     ASSERT_TRUE(world.tree().Has(id)) << id;
-    const Planes its = world.Get(id);
-    ASSERT_TRUE(
-        std::equal(its.begin(), its.end(), object.bound.begin(), is_same))
-        << id;
+    ASSERT_TRUE(AreSame(world.Get(id), object.bound)) << id;
     for (std::size_t p = 0; p < layout.plane_count; ++p) {
       // What is no number limits nothing.
       const float v = object.bound[p];
@@ -938,116 +930,102 @@ Planes Stretched(const Layout& layout, Planes bound, float half,
   return bound;
 }
 template <int kExponent>
-Planes FewFarAway(const Layout&, std::size_t i, Spheres& spheres, Random&) {
-  Planes bound = spheres.Next();
+Planes FewFarAway(const SceneObject& o) {
+  Planes bound = o.spheres.Next();
   for (float& value : bound) {
-    if (i < 10) value *= std::pow(10.0f, static_cast<float>(kExponent));
+    if (o.i < 10) value *= std::pow(10.0f, static_cast<float>(kExponent));
   }
   return bound;
 }
-Planes One(const Layout& layout) { return BoundOfBall(layout, {1, 2, 3}, 3); }
+Planes One(const SceneObject& o) { return BoundOfBall(o.layout, {1, 2, 3}, 3); }
+Planes AnySphere(const SceneObject& o) { return o.spheres.Next(); }
+Planes Everything(const SceneObject& o) { return EverythingOf(o.layout); }
+Planes Empty(const SceneObject& o) { return EmptyOf(o.layout); }
+// Where all faces coincide.
+Planes Cell(const SceneObject& o) {
+  Planes bound{};
+  for (std::size_t p = 0; p < o.layout.plane_count; ++p) {
+    bound[p] = static_cast<float>((o.i >> 4 * (p % o.layout.axes)) % 16) +
+               (IsMin(o.layout, p) ? 0.0f : 1.0f);
+  }
+  return bound;
+}
+Planes EverythingOrNan(const SceneObject& o) {
+  Planes bound = o.spheres.Next();
+  for (std::size_t p = 0; p < o.layout.plane_count; ++p) {
+    if (o.i % 40 == 7 || o.i % 90 == p) bound[p] = kNan;
+  }
+  return o.i % 50 == 0   ? EverythingOf(o.layout)
+         : o.i % 50 == 1 ? EmptyOf(o.layout)
+                         : bound;
+}
+Planes OfTeapotInStadium(const SceneObject& o) {
+  Planes bound = o.spheres.Next();
+  for (std::size_t p = 0; o.i % 10 != 0 && p < o.layout.plane_count; ++p) {
+    const std::size_t place = o.i % 20 * (p % o.layout.axes + 1) % 20;
+    bound[p] = 1e-3f * bound[p] + 5.0f * static_cast<float>(place);
+  }
+  return bound;
+}
+// Plane by plane: values that touch, one ulp apart, special, inverted.
+Planes OfSpecialValues(const SceneObject& o) {
+  Planes bound{};
+  for (std::size_t p = 0; p < o.layout.plane_count; ++p) {
+    PlaneValueSource<float> source(InputKind::kAdversarial, IsMin(o.layout, p),
+                                   static_cast<float>(p) - 3);
+    bound[p] = source.Next(o.random);
+  }
+  return bound;
+}
+Planes WithSpecialValues(const SceneObject& o) {
+  Planes bound = o.spheres.Next();
+  for (std::size_t p = 0; o.i % 2 == 0 && p < o.layout.plane_count; ++p) {
+    if (o.random() % 8 == 0) bound[p] = SpecialValue<float>(o.random);
+  }
+  return bound;
+}
 
 constexpr Scene kScenes[] = {
-    {"spheres", false,
-     [](const Layout&, std::size_t, Spheres& spheres, Random&) {
-       return spheres.Next();
-     }},
-    {"all the same", false,
-     [](const Layout& layout, std::size_t, Spheres&, Random&) {
-       return One(layout);
-     }},
-    {"everything", false,
-     [](const Layout& layout, std::size_t, Spheres&, Random&) {
-       return EverythingOf(layout);
-     }},
-    {"empty", false,
-     [](const Layout& layout, std::size_t, Spheres&, Random&) {
-       return EmptyOf(layout);
-     }},
+    {"spheres", false, &AnySphere},
+    {"all the same", false, &One},
+    {"everything", false, &Everything},
+    {"empty", false, &Empty},
     {"empty or the same", false,
-     [](const Layout& layout, std::size_t i, Spheres&, Random&) {
-       return i % 3 == 0 ? EmptyOf(layout) : One(layout);
-     }},
-    {"everything and NaN among spheres", true,
-     [](const Layout& layout, std::size_t i, Spheres& spheres, Random&) {
-       Planes bound = spheres.Next();
-       for (std::size_t p = 0; p < layout.plane_count; ++p) {
-         if (i % 40 == 7 || i % 90 == p) bound[p] = kNan;
-       }
-       return i % 50 == 0   ? EverythingOf(layout)
-              : i % 50 == 1 ? EmptyOf(layout)
-                            : bound;
-     }},
+     [](const SceneObject& o) { return o.i % 3 == 0 ? Empty(o) : One(o); }},
+    {"everything and NaN among spheres", true, &EverythingOrNan},
     {"a line", false,
-     [](const Layout& layout, std::size_t i, Spheres&, Random&) {
-       Planes bound = One(layout);
-       bound[0] = static_cast<float>(i);
+     [](const SceneObject& o) {
+       Planes bound = One(o);
+       bound[0] = static_cast<float>(o.i);
        return bound;
      }},
-    {"a lattice", false,  // where all faces coincide
-     [](const Layout& layout, std::size_t i, Spheres&, Random&) {
-       Planes bound{};
-       for (std::size_t p = 0; p < layout.plane_count; ++p) {
-         const std::size_t k = p % layout.axes;
-         bound[p] = static_cast<float>((i >> 4 * k) % 16) +
-                    (IsMin(layout, p) ? 0.0f : 1.0f);
-       }
-       return bound;
-     }},
+    {"a lattice", false, &Cell},
     {"a few far away", false, &FewFarAway<4>},
     {"a few farther away", false, &FewFarAway<7>},
     {"a few very far away", false, &FewFarAway<30>},
-    {"a teapot in a stadium", false,
-     [](const Layout& layout, std::size_t i, Spheres& spheres, Random&) {
-       Planes bound = spheres.Next();
-       for (std::size_t p = 0; i % 10 != 0 && p < layout.plane_count; ++p) {
-         const std::size_t place = i % 20 * (p % layout.axes + 1) % 20;
-         bound[p] = 1e-3f * bound[p] + 5.0f * static_cast<float>(place);
-       }
-       return bound;
-     }},
+    {"a teapot in a stadium", false, &OfTeapotInStadium},
     {"ground planes", false,
-     [](const Layout& layout, std::size_t i, Spheres& spheres, Random&) {
-       const Planes bound = spheres.Next();
-       return i < 5 ? Stretched(layout, bound, 50,
-                                [](std::size_t k) { return k != 1; })
-                    : bound;
+     [](const SceneObject& o) {
+       const auto is_long = [&](std::size_t k) { return o.i < 5 && k != 1; };
+       return Stretched(o.layout, AnySphere(o), 50, is_long);
      }},
     {"sizes over six decades", false,
-     [](const Layout& layout, std::size_t i, Spheres&, Random& random) {
-       const float decades = static_cast<float>(i % 61) / 10.0f - 4.0f;
-       return Spheres(layout, std::pow(10.0f, decades), random()).Next();
+     [](const SceneObject& o) {
+       const float decades = static_cast<float>(o.i % 61) / 10.0f - 4.0f;
+       return Spheres(o.layout, std::pow(10.0f, decades), o.random()).Next();
      }},
     {"all on one plane", false,
-     [](const Layout& layout, std::size_t, Spheres& spheres, Random&) {
-       return Stretched(layout, spheres.Next(), 0,
-                        [](std::size_t k) { return k == 0; });
+     [](const SceneObject& o) {
+       const auto is_flat = [](std::size_t k) { return k == 0; };
+       return Stretched(o.layout, AnySphere(o), 0, is_flat);
      }},
     {"one long object", false,
-     [](const Layout& layout, std::size_t i, Spheres& spheres, Random&) {
-       return Stretched(layout, spheres.Next(), 1e6f,
-                        [&](std::size_t k) { return i == 0 && k == 0; });
+     [](const SceneObject& o) {
+       const auto is_long = [&](std::size_t k) { return o.i == 0 && k == 0; };
+       return Stretched(o.layout, AnySphere(o), 1e6f, is_long);
      }},
-    // Plane by plane: values that touch, one ulp apart, special, inverted.
-    {"special values", true,
-     [](const Layout& layout, std::size_t, Spheres&, Random& random) {
-       Planes bound{};
-       for (std::size_t p = 0; p < layout.plane_count; ++p) {
-         PlaneValueSource<float> source(InputKind::kAdversarial,
-                                        IsMin(layout, p),
-                                        static_cast<float>(p) - 3);
-         bound[p] = source.Next(random);
-       }
-       return bound;
-     }},
-    {"special values among spheres", true,
-     [](const Layout& layout, std::size_t i, Spheres& spheres, Random& random) {
-       Planes bound = spheres.Next();
-       for (std::size_t p = 0; i % 2 == 0 && p < layout.plane_count; ++p) {
-         if (random() % 8 == 0) bound[p] = SpecialValue<float>(random);
-       }
-       return bound;
-     }},
+    {"special values", true, &OfSpecialValues},
+    {"special values among spheres", true, &WithSpecialValues},
 };
 
 }  // namespace
@@ -1060,7 +1038,7 @@ std::vector<Planes> ObjectsIn(const Scene& scene, const Layout& layout,
   Random random(seed);
   std::vector<Planes> objects;
   for (std::size_t i = 0; i < size; ++i) {
-    objects.push_back(scene.next(layout, i, spheres, random));
+    objects.push_back(scene.bound({i, layout, spheres, random}));
   }
   return objects;
 }

@@ -118,11 +118,16 @@ class Spheres {
 };
 
 // Worlds of every kind: usual ones, and degenerate ones.
+struct SceneObject {
+  std::size_t i;  // its number
+  const Layout& layout;
+  Spheres& spheres;
+  Random& random;
+};
 struct Scene {
   const char* name;
-  bool is_special = false;  // so that special questions are asked
-  Planes (*next)(const Layout& layout, std::size_t i, Spheres& spheres,
-                 Random& random);
+  bool is_special;  // so that special questions are asked
+  Planes (*bound)(const SceneObject& o);
 };
 std::span<const Scene> Scenes();
 std::vector<Planes> ObjectsIn(const Scene& scene, const Layout& layout,

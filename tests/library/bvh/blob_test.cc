@@ -71,10 +71,9 @@ TEST_P(BvhBlobTest, OfAnotherTypeIsRefused) {
     if (other == GetParam()) continue;
     const auto of_other = MakeBvh(other, std::vector<Planes>());
     for (bool is_in_place : {false, true}) {
-      EXPECT_TRUE(Refuses(
-          [&] { of_other->Loaded(bvh->tree().Blob(), is_in_place, {}); },
-          {is_in_place ? "InPlace" : "FromBlob", "blob", "dimensions",
-           "axes"}));
+      EXPECT_REFUSED((of_other->Loaded(bvh->tree().Blob(), is_in_place, {})),
+                     is_in_place ? "InPlace" : "FromBlob", "blob", "dimensions",
+                     "axes");
     }
   }
 }
@@ -187,11 +186,8 @@ TEST_P(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
   EXPECT_GT(changed, 0u);
   for (const auto& blob : blobs) {
     for (std::size_t size : {1u, 63u, 64u, 1000u}) {
-      EXPECT_TRUE(Refuses(
-          [&] {
-            bvh->Loaded({blob.data(), size}, false, {});
-          },
-          {"FromBlob", "blob"}));
+      EXPECT_REFUSED((bvh->Loaded({blob.data(), size}, false, {})), "FromBlob",
+                     "blob");
     }
   }
 }

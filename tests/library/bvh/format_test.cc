@@ -265,10 +265,8 @@ TEST_P(BvhFormatTest, AnAlteredFileIsSeen) {
     for (std::size_t less : {std::size_t{1}, std::size_t{64}, bytes.size() - 64,
                              bytes.size() - 63, bytes.size() - 1}) {
       const auto cut = bytes.first(bytes.size() - less);
-      EXPECT_TRUE(
-          Refuses([&] { Loaded(layout, cut, true); }, {"InPlace", "blob"}));
-      EXPECT_TRUE(
-          Refuses([&] { Loaded(layout, cut, false); }, {"FromBlob", "blob"}));
+      EXPECT_REFUSED((Loaded(layout, cut, true)), "InPlace", "blob");
+      EXPECT_REFUSED((Loaded(layout, cut, false)), "FromBlob", "blob");
     }
   }
 }
@@ -289,10 +287,9 @@ TEST_P(BvhFormatTest, OtherFormatsAreRefused) {
     const AlignedCopy file = File(GetParam(), kNewest);
     WriteAt(file.bytes(), kVersionAt, other.version);
     for (bool is_in_place : {false, true}) {
-      EXPECT_TRUE(
-          Refuses([&] { Loaded(GetParam().layout, file.bytes(), is_in_place); },
-                  {is_in_place ? "InPlace" : "FromBlob", "blob", expected,
-                   other.given}));
+      EXPECT_REFUSED((Loaded(GetParam().layout, file.bytes(), is_in_place)),
+                     is_in_place ? "InPlace" : "FromBlob", "blob", expected,
+                     other.given);
     }
   }
 }

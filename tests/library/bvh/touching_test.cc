@@ -7,7 +7,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "tests/library/bvh/answers.h"
@@ -72,18 +74,28 @@ TEST_P(BvhShapesTest, NeverRejectWhatTouches) {
       }
       return bound;
     };
-    Shape sphere{Shape::kSphere, {}};
-    Shape segment{Shape::kSegment, {}};
-    Shape box{Shape::kOrientedBox, {}};
-    Shape fronts{Shape::kHalfSpaces, {}};
+    // The numbers of points, and of a radius.
+    const auto of = [&](std::initializer_list<Exact> points,
+                        std::optional<double> its_radius = {}) {
+      std::vector<float> numbers;
+      for (const Exact& p : points) {
+        for (std::size_t k = 0; k < dims; ++k) numbers.push_back(scaled(p[k]));
+      }
+      if (its_radius) numbers.push_back(scaled(*its_radius));
+      return numbers;
+    };
+    Exact low{};
+    Exact high{};
     for (std::size_t k = 0; k < dims; ++k) {
-      sphere.numbers.push_back(scaled(a[k]));
-      segment.numbers.push_back(scaled(a[k]));
+      low[k] = std::min(a[k], b[k]);
+      high[k] = std::max(a[k], b[k]);
     }
-    for (std::size_t k = 0; k < dims; ++k) {
-      segment.numbers.push_back(scaled(b[k]));
-    }
-    box.numbers = sphere.numbers;
+    const Shape point{Shape::kPoint, of({a})};
+    const Shape segment{Shape::kSegment, of({a, b})};
+    const Shape sphere{Shape::kSphere, of({a}, radius)};
+    const Shape capsule{Shape::kCapsule, of({a, b}, radius)};
+    const Shape rounded{Shape::kRoundedBox, of({low, high}, radius)};
+    Shape box{Shape::kOrientedBox, of({a})};
     std::array<Exact, 3> box_axes{};
     for (std::size_t axis = 0; axis < dims; ++axis) {
       for (std::size_t k = 0; k < dims; ++k) {
@@ -92,19 +104,9 @@ TEST_P(BvhShapesTest, NeverRejectWhatTouches) {
       }
     }
     box.numbers.resize(box.numbers.size() + dims, scaled(2));
-    Shape capsule{Shape::kCapsule, segment.numbers};
-    sphere.numbers.push_back(scaled(radius));
-    capsule.numbers.push_back(scaled(radius));
-    Shape rounded{Shape::kRoundedBox, {}};
-    for (bool is_max : {false, true}) {
-      for (std::size_t k = 0; k < dims; ++k) {
-        rounded.numbers.push_back(
-            scaled(is_max ? std::max(a[k], b[k]) : std::min(a[k], b[k])));
-      }
-    }
-    rounded.numbers.push_back(scaled(radius));
     if (!is_exact) continue;
     // In front of planes through a point.
+    Shape fronts{Shape::kHalfSpaces, {}};
     for (std::size_t i = random() % 7; i-- > 0;) {
       double offset = 0;
       for (std::size_t k = 0; k < dims; ++k) {
@@ -113,10 +115,6 @@ TEST_P(BvhShapesTest, NeverRejectWhatTouches) {
       }
       fronts.numbers.push_back(scaled(offset));
     }
-    const Shape point{
-        Shape::kPoint,
-        {sphere.numbers.begin(),
-         sphere.numbers.begin() + static_cast<std::ptrdiff_t>(dims)}};
     std::vector<Planes> in_box;
     std::vector<Planes> on_segment;
     std::vector<Planes> on_capsule;
@@ -144,8 +142,7 @@ TEST_P(BvhShapesTest, NeverRejectWhatTouches) {
         along[k] = a[k] + t * (b[k] - a[k]);
         beside[k] = along[k] + away;
         on_ball[k] = a[k] + away;
-        on_corner[k] =
-            away + (away < 0 ? std::min(a[k], b[k]) : std::max(a[k], b[k]));
+        on_corner[k] = away + (away < 0 ? low : high)[k];
       }
       on_segment.push_back(bound_of(along));
       on_capsule.push_back(bound_of(beside));

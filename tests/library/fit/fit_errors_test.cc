@@ -138,29 +138,20 @@ TEST_F(FitPointErrorsTest, PointsThatCannotBeRead) {
     soa.coords[k] = half;
     refused(soa, {"BoundPoints", argument, "aligned to 8 bytes"});
   }
-  EXPECT_TRUE(Refuses(
-      [&] {
-        BoundTransformed(Points3{nullptr, 2}, Affine3{}, &status_);
-      },
-      {"BoundTransformed", "points.coords: expected 2 points", "null"}));
+  EXPECT_REFUSED((BoundTransformed(Points3{nullptr, 2}, Affine3{}, &status_)),
+                 "BoundTransformed", "points.coords: expected 2 points",
+                 "null");
 }
 
 // Refused before the first point is read, or this would crash. Of count and
 // stride, the larger is to blame.
 TEST_F(FitPointErrorsTest, PointsBeyondTheAddressSpace) {
   constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
-  EXPECT_TRUE(Refuses(
-      [&] {
-        BoundPoints(Points3{point_.data(), kMost});
-      },
-      {"BoundPoints", "points.count: expected",
-       "got " + std::to_string(kMost)}));
-  EXPECT_TRUE(Refuses(
-      [&] {
-        BoundPoints(Points3{point_.data(), 3, kMost / 4});
-      },
-      {"BoundPoints", "points.stride: expected a stride with which 3",
-       "got " + std::to_string(kMost / 4)}));
+  EXPECT_REFUSED((BoundPoints(Points3{point_.data(), kMost})), "BoundPoints",
+                 "points.count: expected", "got " + std::to_string(kMost));
+  EXPECT_REFUSED((BoundPoints(Points3{point_.data(), 3, kMost / 4})),
+                 "BoundPoints", "points.stride: expected a stride with which 3",
+                 "got " + std::to_string(kMost / 4));
 }
 
 TEST_F(FitPointErrorsTest, IndicesThatCannotBeRead) {
@@ -169,24 +160,21 @@ TEST_F(FitPointErrorsTest, IndicesThatCannotBeRead) {
     using Indices = std::span<const std::uint32_t>;
     const std::uint32_t* const none = nullptr;
     for (const std::uint32_t* bad : {none, Misaligned(zeros.data())}) {
-      EXPECT_TRUE(
-          Refuses([&] { BoundPoints(points, Indices(bad, 2), &status_); },
-                  {"BoundPoints", bad == nullptr ? "2 indices" : "aligned to 4",
-                   bad == nullptr ? "a null pointer" : "misaligned"}));
+      EXPECT_REFUSED((BoundPoints(points, Indices(bad, 2), &status_)),
+                     "BoundPoints",
+                     bad == nullptr ? "2 indices" : "aligned to 4",
+                     bad == nullptr ? "a null pointer" : "misaligned");
     }
     // Before any is read: the one point there is lies at index 0.
     for (std::uint32_t bad : {1u, 0xffffffffu}) {
       const std::array<std::uint32_t, 3> indices = {0, 0, bad};
-      EXPECT_TRUE(Refuses([&] { BoundPoints(points, indices, &status_); },
-                          {"BoundPoints", "indices[2]: expected less than", "1",
-                           "got " + std::to_string(bad)}));
+      EXPECT_REFUSED((BoundPoints(points, indices, &status_)), "BoundPoints",
+                     "indices[2]: expected less than", "1",
+                     "got " + std::to_string(bad));
     }
   });
-  EXPECT_TRUE(Refuses(
-      [&] {
-        BoundPoints(Points3{nullptr, 0}, zeros);
-      },
-      {"indices[0]: expected less than", "0, got 0"}));
+  EXPECT_REFUSED((BoundPoints(Points3{nullptr, 0}, zeros)),
+                 "indices[0]: expected less than", "0, got 0");
 }
 
 // Refused before the first is written, or this would crash.
@@ -212,9 +200,8 @@ TEST_F(FitPointErrorsTest, PlanesThatAreNotSixOrCannotBeRead) {
   const std::array<HalfSpace3, 7> planes{};
   const auto refused = [&](const HalfSpace3* pointer, std::size_t count,
                            std::string_view given) {
-    EXPECT_TRUE(
-        Refuses([&] { BoundFrustum(std::span(pointer, count), &status_); },
-                {"BoundFrustum: planes: expected", given}));
+    EXPECT_REFUSED((BoundFrustum(std::span(pointer, count), &status_)),
+                   "BoundFrustum: planes: expected", given);
   };
   refused(planes.data(), 7, "6 planes, got 7");
   refused(planes.data(), 5, "6 planes, got 5");

@@ -10,13 +10,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "halfspace/world.h"
 #include "tests/library/fit/random_shapes.h"
-#include "tests/library/fit_many/bound_of_one.h"
 #include "tests/library/fit_many/bulk.h"
+#include "tests/library/fit_many/bulk_answers.h"
 #include "tests/library/support/environment.h"
 
 namespace halfspace::testing {
@@ -77,95 +76,35 @@ class FitManyTest : public ::testing::TestWithParam<Bulk> {
  protected:
   static constexpr std::size_t kTile = 64;
 
-  static std::vector<Planes> Singles(const BulkShapes& shapes) {
-    std::vector<Planes> singles;
-    for (const auto& shape : shapes)
-      singles.push_back(GetParam().Single(shape));
-    return singles;
-  }
-
-  // On every target and in every layout, the same bits.
-  static void ExpectAll(const BulkShapes& shapes, bool is_tightest) {
-    const std::vector<Planes> singles = Singles(shapes);
-    BulkSource source(GetParam(), shapes);
-    std::vector<Planes> first;
-    for (BulkLayout layout : kBulkLayouts) {
-      Arena arena;
-      source.Place(arena, layout);
-      const BulkOutput built(GetParam(), shapes.size(), arena);
-      for (Target target : TargetsUnderTest()) {
-        SCOPED_TRACE(target.name());
-        FitStatus status;
-        ASSERT_EQ(
-            source.Bound(built.output(),
-                         {.tightest = is_tightest, .target = target}, &status),
-            target);
-        ASSERT_EQ(status.results, shapes.size());
-        ASSERT_EQ(status.everything, 0u);
-        const bool is_first = first.empty();
-        for (std::size_t i = 0; i < shapes.size(); ++i) {
-          if (is_first) {
-            first.push_back(built.Get(i));
-            ASSERT_TRUE(IsBoundOfOne(GetParam(), first[i], singles[i],
-                                     shapes[i], is_tightest));
-          } else {
-            ASSERT_TRUE(SameBits(built.Get(i), first[i])) << i;
-          }
-        }
-      }
-    }
-  }
-
-  // More shapes than all sizes that are tried, and their bounds on one target.
-  void SetUpMemory() {
-    Random random(73);
-    shapes_ = RandomShapes(GetParam(), PointKind::kWideExponents,
-                           kTile + 4 * MostLanes() + 4, random);
-    BulkSource source(GetParam(), shapes_);
-    source.Place(arena_, BulkLayout::kColumns);
-    expected_.emplace(GetParam(), shapes_.size(), arena_);
-    source.Bound(expected_->output(), {.target = TargetsUnderTest().front()});
-  }
-
-  // The first `count` shapes in every layout, with inputs and outputs in
-  // make_arena().
+  // In every layout, in memory of make_arena().
   template <typename MakeArena>
-  void ExpectSame(std::size_t count, Target target,
-                  const MakeArena& make_arena) {
-    BulkSource source(GetParam(),
-                      {shapes_.begin(),
-                       shapes_.begin() + static_cast<std::ptrdiff_t>(count)});
+  static void ExpectAll(BulkAnswers& answers, const BulkShapes& shapes,
+                        const MakeArena& make_arena) {
+    BulkSource source(GetParam(), shapes);
     for (BulkLayout layout : kBulkLayouts) {
       Arena arena = make_arena();
       source.Place(arena, layout);
-      const BulkOutput built(GetParam(), count, arena);
-      source.Bound(built.output(), {.target = target});
-      for (std::size_t i = 0; i < count; ++i) {
-        ASSERT_TRUE(SameBits(built.Get(i), expected_->Get(i)))
-            << "shape " << i << " of " << count << ", layout "
-            << static_cast<int>(layout) << ", " << target.name();
-      }
-      ASSERT_TRUE(arena.Intact()) << count << ", " << target.name();
+      ASSERT_TRUE(answers.Check(source, arena))
+          << "layout " << static_cast<int>(layout);
     }
   }
-
- private:
-  BulkShapes shapes_;
-  Arena arena_;
-  std::optional<BulkOutput> expected_;
 };
 
 TEST_P(FitManyTest, BoundsAreThoseOfOneShape) {
   constexpr std::size_t kShapes = 150;  // more than two tiles and a tail
   for (bool is_tightest : {false, true}) {
+    const auto expect_all = [&](const BulkShapes& shapes) {
+      BulkAnswers answers(GetParam(), shapes, {.tightest = is_tightest});
+      ExpectAll(answers, shapes, [] { return Arena(); });
+    };
     ForEachSample(70, 2, kShapes, [&](PointKind kind, Random& random) {
-      ExpectAll(RandomShapes(GetParam(), kind, kShapes, random), is_tightest);
+      expect_all(RandomShapes(GetParam(), kind, kShapes, random));
     });
-    ExpectAll(HardShapes(GetParam()), is_tightest);
+    expect_all(HardShapes(GetParam()));
   }
 }
 
-// Any planes may be wanted.
+// Any planes may be wanted: simplices, boxes, D, and any others.
 TEST_P(FitManyTest, PlanesThatAreNotWantedAreNotWritten) {
   const Bulk& bulk = GetParam();
   Random random(72);
@@ -174,55 +113,40 @@ TEST_P(FitManyTest, PlanesThatAreNotWantedAreNotWritten) {
   Arena arena;
   BulkSource source(bulk, shapes);
   source.Place(arena, BulkLayout::kColumns);
-  const BulkOutput all(bulk, shapes.size(), arena);
-  source.Bound(all.output(), {.target = TargetsUnderTest().front()});
-  for (Target target : TargetsUnderTest()) {
-    // Simplices, boxes, D, and any others.
-    const std::uint32_t d = 1u << bulk.dims;
-    const std::uint32_t most = (1u << bulk.planes()) - 1;
-    for (std::uint32_t wanted :
-         {2 * d - 1, most - (2 * d - 1), most - d - (most + 1) / 2,
-          d + (most + 1) / 2, 1u, most - 1, 5u}) {
-      const BulkOutput some(bulk, shapes.size(), arena);
-      detail::Output output;
-      output.size = shapes.size();
-      for (std::size_t p = 0; p < bulk.planes(); ++p) {
-        if ((wanted >> p & 1) != 0) output.Want(p, some.output().planes[p]);
-      }
-      source.Bound(output, {.target = target});
-      for (std::size_t p = 0; p < bulk.planes(); ++p) {
-        if ((wanted >> p & 1) == 0) continue;
-        ASSERT_TRUE(std::equal(output.planes[p],
-                               output.planes[p] + shapes.size(),
-                               all.output().planes[p]))
-            << "plane " << p << " of " << wanted << ", " << target.name();
-      }
-    }
+  BulkAnswers answers(bulk, shapes);
+  const std::uint32_t d = 1u << bulk.dims;
+  const std::uint32_t most = (1u << bulk.planes()) - 1;
+  for (std::uint32_t wanted :
+       {most, 2 * d - 1, most - (2 * d - 1), most - d - (most + 1) / 2,
+        d + (most + 1) / 2, 1u, most - 1, 5u}) {
+    ASSERT_TRUE(answers.Check(source, arena, wanted));
   }
-  EXPECT_TRUE(arena.Intact());
 }
 
 TEST_P(FitManyTest, EverySizeStrideAndMisalignment) {
-  SetUpMemory();
-  for (Target target : TargetsUnderTest()) {
-    const std::size_t lanes = target.lanes();
-    for (std::size_t n = 0; n <= kTile + 4 * lanes + 3; ++n) {
-      // Some sizes at all misalignments, the others at one after another.
-      const bool is_chosen = n == 5 || n == kTile + lanes + 1;
-      for (std::size_t i = 0; i < (is_chosen ? lanes : 1); ++i) {
-        ExpectSame(n, target, [&] { return Arena((n + i) % lanes); });
-        if (HasFatalFailure()) return;
-      }
-#if defined(__unix__)
-      // All of them at a small size; around whole vectors and tiles beyond.
-      if (n > lanes + 1 && n % lanes > 1) continue;
-      if (GetParam().dims != 3 && n != 1 && n != kTile + 1) continue;
-      for (GuardedSide side : {GuardedSide::kBefore, GuardedSide::kAfter}) {
-        ExpectSame(n, target, [&] { return Arena(side); });
-        if (HasFatalFailure()) return;
-      }
-#endif
+  const std::size_t lanes = MostLanes();
+  Random random(73);
+  BulkShapes shapes = RandomShapes(GetParam(), PointKind::kWideExponents,
+                                   kTile + 4 * lanes + 3, random);
+  BulkAnswers answers(GetParam(), shapes);
+  ExpectAll(answers, shapes, [] { return Arena(); });
+  for (std::size_t n = shapes.size() + 1; n-- > 0;) {
+    shapes.resize(n);
+    // Some sizes at all misalignments, the others at one after another.
+    const bool is_chosen = n == 5 || n == kTile + lanes + 1;
+    for (std::size_t i = 0; i < (is_chosen ? lanes : 1); ++i) {
+      ExpectAll(answers, shapes, [&] { return Arena((n + i) % lanes); });
+      if (HasFatalFailure()) return;
     }
+#if defined(__unix__)
+    // All of them at a small size; around whole vectors and tiles beyond.
+    if (n > lanes + 1 && n % lanes > 1) continue;
+    if (GetParam().dims != 3 && n != 1 && n != kTile + 1) continue;
+    for (GuardedSide side : {GuardedSide::kBefore, GuardedSide::kAfter}) {
+      ExpectAll(answers, shapes, [&] { return Arena(side); });
+      if (HasFatalFailure()) return;
+    }
+#endif
   }
 }
 
@@ -230,18 +154,13 @@ TEST_P(FitManyTest, StrideZeroIsTheSameShape) {
   const Bulk& bulk = GetParam();
   if (bulk.IsOfPoints()) return;
   Random random(74);
-  constexpr std::size_t kSize = kTile + 9;
+  const BulkShapes one = RandomShapes(bulk, PointKind::kUniform, 1, random);
   Arena arena;
-  BulkSource source(bulk, RandomShapes(bulk, PointKind::kUniform, 1, random));
+  BulkSource source(bulk, one);
   source.Place(arena, BulkLayout::kColumns);
-  source.Repeat(kSize);
-  const BulkOutput built(bulk, kSize, arena);
-  for (Target target : TargetsUnderTest()) {
-    source.Bound(built.output(), {.target = target});
-    for (std::size_t i = 1; i < kSize; ++i) {
-      ASSERT_TRUE(SameBits(built.Get(i), built.Get(0)));
-    }
-  }
+  source.Repeat(kTile + 9);
+  BulkAnswers answers(bulk, BulkShapes(source.size, one[0]));
+  EXPECT_TRUE(answers.Check(source, arena));
 }
 
 // One bad shape among good ones, in every lane: what it becomes, how it is
@@ -259,32 +178,17 @@ class FitManySpecialTest : public FitManyTest {
     shapes_.assign(kShapes, shape);
   }
 
-  void ExpectOne(const BulkSource& source, std::size_t bad,
-                 const Planes& expected, FitOptions options = {}) {
-    const Builder& single = GetParam().single();
-    const bool is_counted = expected == single.Everything();
-    const BulkOutput built(GetParam(), kShapes, arena_);
-    for (Target target : TargetsUnderTest()) {
-      for (bool tightest : {false, true}) {
-        options.target = target;
-        options.tightest = tightest;
-        // What was counted before is kept.
-        FitStatus status{.results = 10};
-        source.Bound(built.output(), options, &status);
-        for (std::size_t i = 0; i < kShapes; ++i) {
-          if (i == bad) {
-            ASSERT_EQ(built.Get(i), expected) << i << ", " << target.name();
-          } else {
-            ASSERT_NE(built.Get(i), single.Everything()) << i;
-            ASSERT_NE(built.Get(i), single.Empty()) << i;
-          }
-        }
-        ASSERT_EQ(status.results, 10 + kShapes);
-        ASSERT_EQ(status.everything, is_counted ? 1u : 0u) << target.name();
-        if (is_counted) {
-          ASSERT_EQ(status.first_everything, 10 + bad);
-        }
-      }
+  static void ExpectOne(const BulkShapes& shapes, BulkSource& source,
+                        std::size_t bad, const Planes& expected,
+                        FitOptions options = {},
+                        std::uint32_t canary = Arena::kNanCanary) {
+    for (bool tightest : {false, true}) {
+      options.tightest = tightest;
+      BulkAnswers answers(GetParam(), shapes, options);
+      answers.Set(bad, expected);
+      Arena arena(0, canary);
+      source.Place(arena, BulkLayout::kColumns);
+      ASSERT_TRUE(answers.Check(source, arena)) << bad;
     }
   }
 
@@ -293,13 +197,10 @@ class FitManySpecialTest : public FitManyTest {
     BulkShapes shapes = shapes_;
     shapes[at] = shape;
     BulkSource source(GetParam(), shapes);
-    arena_ = Arena();
-    source.Place(arena_, BulkLayout::kColumns);
-    ExpectOne(source, at, expected, options);
+    ExpectOne(shapes, source, at, expected, options);
   }
 
   BulkShapes shapes_;
-  Arena arena_;
 };
 
 TEST_P(FitManySpecialTest, NumbersAreTreatedAsByTheSingleBuilder) {
@@ -373,9 +274,7 @@ TEST_P(FitManySpecialTest, IndicesAndEndsThatAreOutOfRange) {
   const auto expect = [&](BulkSource& source, std::size_t at,
                           const Planes& expected) {
     // What is read past the end could be bounded.
-    arena_ = Arena(0, Arena::kFiniteCanary);
-    source.Place(arena_, BulkLayout::kColumns);
-    ExpectOne(source, at, expected);
+    ExpectOne(shapes_, source, at, expected, {}, Arena::kFiniteCanary);
   };
   for (std::size_t i = 0; i < 3 * kShapes && !HasFatalFailure(); ++i) {
     if (bulk.kind != Kind::kTriangle) break;

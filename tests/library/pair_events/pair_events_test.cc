@@ -235,21 +235,14 @@ TEST(PairEventsMemoryTest, AFailedAllocationChangesNothing) {
         const PairVector ended = ListOf(events.ended());
         PairEventOptions options;
         if (on_threads) options.run = run;
-        std::size_t left = 0;
-        for (bool has_failed = true; has_failed; ++left) {
-          memory.left = left;
-          has_failed = false;
-          try {
-            events.Update(crowd.bvh, ids, options);
-          } catch (const std::bad_alloc&) {
-            has_failed = true;
-            ASSERT_EQ(Sorted(events.pairs()), pairs);
-            ASSERT_EQ(ListOf(events.began()), began);
-            ASSERT_EQ(ListOf(events.ended()), ended);
-          }
-        }
-        memory.left = CountingMemory::kNoLimit;
-        EXPECT_GT(left, 3u);
+        const std::size_t failures = FailuresOf(
+            memory, [&] { events.Update(crowd.bvh, ids, options); },
+            [&] {
+              ASSERT_EQ(Sorted(events.pairs()), pairs);
+              ASSERT_EQ(ListOf(events.began()), began);
+              ASSERT_EQ(ListOf(events.ended()), ended);
+            });
+        EXPECT_GT(failures, 2u);
         ASSERT_EQ(Sorted(events.pairs()), Sorted(expected.pairs()));
         ASSERT_EQ(ListOf(events.began()), ListOf(expected.began()));
         ASSERT_EQ(ListOf(events.ended()), ListOf(expected.ended()));

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "tests/library/quantized/quantized_answers.h"
+#include "tests/library/support/answers.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/quantized_rows.h"
 #include "tests/library/support/sizes.h"

@@ -86,46 +86,6 @@ TEST_P(RangeTest, RangesAcrossTiles) {
       std::span(ranges).first(std::min(Scaled(ranges.size()), ranges.size())));
 }
 
-// AnySurvivor looks at few objects first, then at more.
-TEST_P(RangeTest, AnySurvivorSeesTheRangeAlone) {
-  const FlatCase& kind = GetParam();
-  constexpr std::size_t kSize = 3 * 4096 + 65;
-  kind.WithScalar([&]<typename T>(T) {
-    // A query of zeros keeps an object of zeros, and none that is above it.
-    const T query[10] = {};
-    std::vector<T> plane(kSize, T{1});
-    const std::vector<T> others(kSize);
-    PlanePointers planes{};
-    planes.fill(others.data());
-    planes[0] = plane.data();
-    const AnyWorld world = kind.world(planes, kSize);
-    for (std::size_t at : {64u, 511u, 512u, 575u, 4096u + 512u,
-                           2u * 4096u + 63u, 3u * 4096u + 64u}) {
-      plane[at] = 0;
-      const std::size_t word = at / 64 * 64;
-      for (Target target : TargetsUnderTest()) {
-        const auto any = [&](std::size_t begin, std::size_t end) {
-          return detail::AnySurvivor(
-                     world.Asked({query, 1}),
-                     {.target = target, .range = {begin, end}}) !=
-                 detail::kNoSurvivor;
-        };
-        EXPECT_TRUE(any(0, kMost)) << at;
-        EXPECT_TRUE(any(word, kMost)) << at;
-        EXPECT_TRUE(any(word, word + 64)) << at;
-        EXPECT_TRUE(any(0, word + 64)) << at;
-        EXPECT_TRUE(any(at, at + 1)) << at;
-        EXPECT_FALSE(any(0, at)) << at;
-        EXPECT_FALSE(any(at + 1, kMost)) << at;
-        EXPECT_FALSE(any(0, word)) << at;
-        EXPECT_FALSE(any(word, word)) << at;
-        EXPECT_FALSE(any(word + 64, kMost)) << at;
-      }
-      plane[at] = 1;
-    }
-  });
-}
-
 INSTANTIATE_TEST_SUITE_P(, RangeTest, ::testing::ValuesIn(WholeFlatCases()),
                          FlatCaseName);
 

@@ -143,10 +143,10 @@ class RejectErrorsTest : public ::testing::TestWithParam<FlatCase> {
     const std::vector<std::byte> block = block_;
     const std::vector<std::byte> queries = queries_;
     std::memset(other_indices, 7, sizeof(other_indices));
-    EXPECT_TRUE(Refuses(
-        [&] { output.ask(world.Asked(Queries(output.queries)), begin, size); },
-        {output.call, ": ", output.argument, ": expected", expected, "got",
-         given}));
+    EXPECT_REFUSED(
+        (output.ask(world.Asked(Queries(output.queries)), begin, size)),
+        output.call, ": ", output.argument, ": expected", expected, "got",
+        given);
     EXPECT_EQ(block_, block);
     EXPECT_EQ(queries_, queries);
     for (std::uint32_t index : other_indices) EXPECT_EQ(index, 0x07070707u);
@@ -308,23 +308,20 @@ TEST_P(RejectErrorsTest, MoreObjectsOrQueriesThanIndices) {
   std::uint32_t second = 7;
   const AnyWorld huge = World(kTooMany);
   for (const Options& options : {Options(), Options{.range = {0, 64}}}) {
-    EXPECT_TRUE(Refuses(
-        [&] {
-          std::ignore = detail::Survivors(huge.Asked(Queries(1)), {&first, 1},
-                                          options, 0);
-        },
-        {"Survivors: world.size: expected at most 2^32", "got 4294967297"}));
+    EXPECT_REFUSED(
+        (detail::Survivors(huge.Asked(Queries(1)), {&first, 1}, options, 0)),
+        "Survivors: world.size: expected at most 2^32", "got 4294967297");
     const auto pairs = [&](std::size_t size, std::size_t count) {
       std::ignore =
           detail::SurvivorPairs(World(size).Asked(Queries(count)), {&first, 1},
                                 {&second, 1}, options, 0);
     };
-    EXPECT_TRUE(Refuses(
-        [&] { pairs(kTooMany, 1); },
-        {"SurvivorPairs: world.size: expected at most 2^32", "4294967297"}));
-    EXPECT_TRUE(Refuses(
-        [&] { pairs(1, kTooMany); },
-        {"SurvivorPairs: queries: expected at most 2^32", "4294967297"}));
+    EXPECT_REFUSED((pairs(kTooMany, 1)),
+                   "SurvivorPairs: world.size: expected at most 2^32",
+                   "4294967297");
+    EXPECT_REFUSED((pairs(1, kTooMany)),
+                   "SurvivorPairs: queries: expected at most 2^32",
+                   "4294967297");
   }
   EXPECT_EQ(first, 7u);
   EXPECT_EQ(second, 7u);
@@ -339,10 +336,10 @@ TEST_P(RejectErrorsTest, MoreRowsThanTheAddressSpace) {
                             kMost / kind_.query_bytes()}) {
     for (const Output& output : kOutputs) {
       if (output.needed < kQueries) continue;
-      EXPECT_TRUE(Refuses(
-          [&] { output.ask(world.Asked(Queries(count)), memory.data(), 16); },
-          {output.call, ": ", output.argument, ": expected", "at least",
-           std::to_string(count), "16"}));
+      EXPECT_REFUSED(
+          (output.ask(world.Asked(Queries(count)), memory.data(), 16)),
+          output.call, ": ", output.argument, ": expected", "at least",
+          std::to_string(count), "16");
     }
   }
   EXPECT_EQ(memory, std::vector<std::uint64_t>(16, 7));
@@ -355,17 +352,13 @@ TEST_P(RejectErrorsTest, RowsThatOverlap) {
     detail::SurvivorMasks(World().Asked(Queries(3)),
                           std::span(rows).first(words), options, row_words);
   };
-  EXPECT_TRUE(Refuses(
-      [&] {
-        masks(100, {.range = {0, 129}}, 2);
-      },
-      {"SurvivorMasks: row_words: expected 0, or at least the 3 words",
-       "got 2"}));
+  EXPECT_REFUSED(
+      (masks(100, {.range = {0, 129}}, 2)),
+      "SurvivorMasks: row_words: expected 0, or at least the 3 words", "got 2");
   // Two rows of 20 words, and the 3 words of the last.
   const Options options{.range = {1, kObjects}};
-  EXPECT_TRUE(Refuses([&] { masks(42, options, 20); },
-                      {"SurvivorMasks: rows: expected",
-                       "at least 3 rows of 3 words, 20 words", "42 words"}));
+  EXPECT_REFUSED((masks(42, options, 20)), "SurvivorMasks: rows: expected",
+                 "at least 3 rows of 3 words, 20 words", "42 words");
   EXPECT_EQ(rows, std::vector<std::uint64_t>(100, 7));
   masks(43, options, 20);
   EXPECT_EQ(rows[42], 1u);
@@ -392,13 +385,9 @@ TEST_P(RejectErrorsTest, PairsThatOverlapOneAnother) {
   const detail::Scan all = world.Asked(Queries());
   const auto refused = [&](std::size_t queries_at, std::size_t objects_at,
                            std::size_t objects_room) {
-    EXPECT_TRUE(Refuses(
-        [&] {
-          std::ignore =
-              pairs(all, queries_at, kPairs, objects_at, objects_room);
-        },
-        {"SurvivorPairs: object_indices: expected",
-         "memory apart from query_indices", "got", "an overlap"}));
+    EXPECT_REFUSED((pairs(all, queries_at, kPairs, objects_at, objects_room)),
+                   "SurvivorPairs: object_indices: expected",
+                   "memory apart from query_indices", "got", "an overlap");
   };
   for (std::size_t begin = 1; begin < 2 * kPairs; ++begin) {
     refused(kPairs, begin, kPairs);

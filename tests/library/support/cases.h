@@ -10,7 +10,6 @@
 #include <string>
 #include <tuple>
 #include <type_traits>
-#include <utility>
 
 #include "halfspace/bounds.h"
 #include "halfspace/world.h"
@@ -134,32 +133,12 @@ std::string NameOf(const AaboAsAabb<kDims>&) {
   return internal::NameOf<float>("Aabo", kDims, "AsAabb");
 }
 
-namespace internal {
-
-template <typename... Cases>
-::testing::Types<Cases...> AsTypes(const std::tuple<Cases...>&);
-
-template <typename List>
-struct In3d;
-template <typename... Cases>
-struct In3d<::testing::Types<Cases...>> {
-  template <typename Case>
-  using IfIs3d = std::conditional_t<Case::View::Bound::kDimensions == 3,
-                                    std::tuple<Case>, std::tuple<>>;
-  using Found = decltype(std::tuple_cat(std::declval<IfIs3d<Cases>>()...));
-  using type = decltype(AsTypes(std::declval<Found>()));
-};
-
-}  // namespace internal
-
-// Those of a list of cases that this build tests: builds that take long for
-// each (sanitizers, emulation) leave out 2 and 4 dimensions.
+// Whether this build leaves out 2 and 4 dimensions, as those do that take long
+// for each: sanitizers, emulation. Of each file by itself (dims.h).
 #if defined(HALFSPACE_TEST_ONLY_3D)
-template <typename List>
-using Tested = typename internal::In3d<List>::type;
+constexpr bool kTestsOnly3d = true;
 #else
-template <typename List>
-using Tested = List;
+constexpr bool kTestsOnly3d = false;
 #endif
 
 struct CaseNames {
@@ -169,19 +148,12 @@ struct CaseNames {
   }
 };
 
-using WholeCases = Tested<::testing::Types<
-    Whole<SimplexView2>, Whole<SimplexView3>, Whole<SimplexView4>,
-    Whole<AabbView2>, Whole<AabbView3>, Whole<AabbView4>, Whole<AaboView2>,
-    Whole<AaboView3>, Whole<AaboView4>, Whole<AabbView<2, double>>,
-    Whole<AabbView<3, double>>, Whole<AabbView<4, double>>>>;
-
-using AllCases = Tested<::testing::Types<
-    Whole<SimplexView2>, Whole<SimplexView3>, Whole<SimplexView4>,
-    Whole<AabbView2>, Whole<AabbView3>, Whole<AabbView4>, Whole<AaboView2>,
-    Whole<AaboView3>, Whole<AaboView4>, AaboAsSimplex<2>, AaboAsSimplex<3>,
-    AaboAsSimplex<4>, AaboAsAabb<2>, AaboAsAabb<3>, AaboAsAabb<4>,
-    Whole<AabbView<2, double>>, Whole<AabbView<3, double>>,
-    Whole<AabbView<4, double>>>>;
+template <int... kDims>
+using CasesOf =
+    ::testing::Types<Whole<SimplexView<kDims>>..., Whole<AabbView<kDims>>...,
+                     Whole<AaboView<kDims>>..., AaboAsSimplex<kDims>...,
+                     AaboAsAabb<kDims>..., Whole<AabbView<kDims, double>>...>;
+using AllCases = std::conditional_t<kTestsOnly3d, CasesOf<3>, CasesOf<2, 3, 4>>;
 
 }  // namespace halfspace::testing
 

@@ -71,6 +71,26 @@ class CountingMemory {
   Failure failure_;
 };
 
+// Makes a call with memory for 0, 1, 2, ... allocations, until it is enough.
+// After each failure there is memory again, and check() is called. Returns how
+// many calls failed.
+template <typename Call, typename Check>
+std::size_t FailuresOf(CountingMemory& memory, const Call& call,
+                       const Check& check) {
+  for (std::size_t failures = 0;; ++failures) {
+    memory.left = failures;
+    bool is_done = true;
+    try {
+      call();
+    } catch (const std::bad_alloc&) {
+      is_done = false;
+    }
+    memory.left = CountingMemory::kNoLimit;
+    if (is_done) return failures;
+    check();
+  }
+}
+
 }  // namespace halfspace::testing
 
 #endif  // HALFSPACE_TESTS_LIBRARY_SUPPORT_COUNTING_MEMORY_H_

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <functional>
 #include <initializer_list>
 #include <string>
 #include <string_view>
@@ -14,8 +15,7 @@
 namespace halfspace::testing {
 
 // What a handler of errors is told by call(), or nothing.
-template <typename Call>
-std::string ToldBy(Call call) {
+inline std::string ToldBy(const std::function<void()>& call) {
   struct Told {
     std::string message;
   };
@@ -33,9 +33,9 @@ std::string ToldBy(Call call) {
 
 // call() throws an Error with all of `parts` in its text, in that
 // order, and tells a handler the same text.
-template <typename Call>
-::testing::AssertionResult Refuses(
-    Call call, std::initializer_list<std::string_view> parts) {
+inline ::testing::AssertionResult Refuses(
+    const std::function<void()>& call,
+    std::initializer_list<std::string_view> parts) {
   try {
     call();
   } catch (const Error& error) {
@@ -59,5 +59,11 @@ template <typename Call>
 }
 
 }  // namespace halfspace::testing
+
+// As a row: an expression in parentheses, and the parts.
+#define EXPECT_REFUSED(call, ...)                                          \
+  EXPECT_TRUE(                                                             \
+      ::halfspace::testing::Refuses([&] { (void)(call); }, {__VA_ARGS__})) \
+      << #call
 
 #endif  // HALFSPACE_TESTS_LIBRARY_SUPPORT_EXPECT_INVALID_H_

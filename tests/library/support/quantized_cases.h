@@ -13,6 +13,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "halfspace/quantized.h"
@@ -35,25 +36,16 @@ struct QuantizedCaseNames {
   }
 };
 
-using QuantizedCases =
-    Tested<::testing::Types<QuantizedCase<SimplexView2, std::uint8_t>,
-                            QuantizedCase<SimplexView3, std::uint8_t>,
-                            QuantizedCase<SimplexView4, std::uint8_t>,
-                            QuantizedCase<AabbView2, std::uint8_t>,
-                            QuantizedCase<AabbView3, std::uint8_t>,
-                            QuantizedCase<AabbView4, std::uint8_t>,
-                            QuantizedCase<AaboView2, std::uint8_t>,
-                            QuantizedCase<AaboView3, std::uint8_t>,
-                            QuantizedCase<AaboView4, std::uint8_t>,
-                            QuantizedCase<SimplexView2, std::uint16_t>,
-                            QuantizedCase<SimplexView3, std::uint16_t>,
-                            QuantizedCase<SimplexView4, std::uint16_t>,
-                            QuantizedCase<AabbView2, std::uint16_t>,
-                            QuantizedCase<AabbView3, std::uint16_t>,
-                            QuantizedCase<AabbView4, std::uint16_t>,
-                            QuantizedCase<AaboView2, std::uint16_t>,
-                            QuantizedCase<AaboView3, std::uint16_t>,
-                            QuantizedCase<AaboView4, std::uint16_t>>>;
+template <int... kDims>
+using QuantizedCasesOf =
+    ::testing::Types<QuantizedCase<SimplexView<kDims>, std::uint8_t>...,
+                     QuantizedCase<AabbView<kDims>, std::uint8_t>...,
+                     QuantizedCase<AaboView<kDims>, std::uint8_t>...,
+                     QuantizedCase<SimplexView<kDims>, std::uint16_t>...,
+                     QuantizedCase<AabbView<kDims>, std::uint16_t>...,
+                     QuantizedCase<AaboView<kDims>, std::uint16_t>...>;
+using QuantizedCases = std::conditional_t<kTestsOnly3d, QuantizedCasesOf<3>,
+                                          QuantizedCasesOf<2, 3, 4>>;
 
 // For what is the same code for all shapes: one of each, and both sizes.
 using FewQuantizedCases =

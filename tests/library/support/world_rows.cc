@@ -103,6 +103,5 @@ std::vector<QuantizedRow> AllQuantizedRows() {
 }
 
 std::vector<FlatCase> AllFlatRows() { return RowsOf(AllCases()); }
-std::vector<FlatCase> WholeFlatRows() { return RowsOf(WholeCases()); }
 
 }  // namespace halfspace::testing

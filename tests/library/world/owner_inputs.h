@@ -11,7 +11,7 @@
 #include <limits>
 #include <vector>
 
-#include "tests/library/quantized/quantized_answers.h"
+#include "tests/library/support/answers.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/owners.h"
 #include "tests/library/support/quantized_cases.h"

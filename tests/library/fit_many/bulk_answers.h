@@ -1,0 +1,156 @@
+// What a call for many shapes must give: for each of them the bound that the
+// builder of one gives, as far as the options allow.
+#ifndef HALFSPACE_TESTS_LIBRARY_FIT_MANY_BULK_ANSWERS_H_
+#define HALFSPACE_TESTS_LIBRARY_FIT_MANY_BULK_ANSWERS_H_
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "tests/library/fit/exact_shapes.h"
+#include "tests/library/fit_many/bulk.h"
+#include "tests/library/support/environment.h"
+#include "tests/library/support/fp_modes.h"
+
+namespace halfspace::testing {
+
+class BulkAnswers {
+ public:
+  BulkAnswers(const Bulk& bulk, BulkShapes shapes,
+              const FitOptions& options = {})
+      : bulk_(bulk), shapes_(std::move(shapes)), options_(options) {
+    for (const auto& shape : shapes_) expected_.push_back(Single(shape));
+  }
+
+  // For a mistake that the numbers of the shape do not show.
+  void Set(std::size_t i, const Planes& bound) { expected_[i] = bound; }
+
+  // Makes the call on every target, for a source that was placed in the arena
+  // and may have fewer shapes. The first bound of each shape is compared with
+  // that of the builder of one, and the others, of this call and of later ones,
+  // with the first. `wanted` has a bit for each plane.
+  ::testing::AssertionResult Check(const BulkSource& source, Arena& arena,
+                                   std::uint32_t wanted = 0xFFFFFFFF,
+                                   FpMode mode = FpMode::kDefault) {
+    constexpr std::size_t kBefore = 10;  // results that are counted already
+    const BulkOutput built(bulk_, source.size, arena);
+    detail::Output output;
+    output.size = source.size;
+    std::vector<std::size_t> planes;
+    for (std::size_t p = 0; p < bulk_.planes(); ++p) {
+      if ((wanted >> p & 1) == 0) continue;
+      planes.push_back(p);
+      output.Want(p, built.output().planes[p]);
+    }
+    const Planes everything = bulk_.single().Everything();
+    FitStatus expected{.results = kBefore + source.size};
+    for (std::size_t i = 0; i < source.size; ++i) {
+      if (expected_[i] == everything && expected.everything++ == 0) {
+        expected.first_everything = kBefore + i;
+      }
+    }
+    for (Target target : TargetsUnderTest()) {
+      const auto wrong = [&] {
+        return ::testing::AssertionFailure()
+               << "on " << target.name() << ", " << source.size << " shapes, "
+               << "planes " << wanted << ": ";
+      };
+      FitOptions options = options_;
+      options.target = target;
+      FitStatus status{.results = kBefore};
+      Target ran;
+      RunIn(mode, [&] { ran = source.Bound(output, options, &status); });
+      if (ran != target) return wrong() << "ran on " << ran.name();
+      if (!arena.Intact()) return wrong() << "wrote elsewhere";
+      if (status.results != expected.results ||
+          status.everything != expected.everything ||
+          status.first_everything != expected.first_everything) {
+        return wrong() << "a wrong status";
+      }
+      for (std::size_t i = 0; i < source.size; ++i) {
+        Planes bound = i < first_.size() ? first_[i] : expected_[i];
+        for (std::size_t p : planes) bound[p] = output.planes[p][i];
+        if (i == first_.size()) {
+          first_.push_back(bound);
+          // Exact arithmetic once for shapes that are all the same.
+          const bool is_again = i > 0 && shapes_[i] == shapes_[i - 1] &&
+                                expected_[i] == expected_[i - 1] &&
+                                SameBits(bound, first_[i - 1]);
+          auto result =
+              is_again ? ::testing::AssertionSuccess() : IsBoundOfOne(i);
+          if (!result) return wrong() << result.message() << ", shape " << i;
+        }
+        if (!SameBits(bound, first_[i])) {
+          return wrong() << "shape " << i << " has another bound";
+        }
+      }
+    }
+    return ::testing::AssertionSuccess();
+  }
+
+ private:
+  // An inverted box is a mistake, or empty.
+  Planes Single(const std::vector<double>& numbers) const {
+    bool is_inverted = false;
+    bool has_nan = false;
+    for (std::size_t k = 0; bulk_.kind == Kind::kBox && k < bulk_.dims; ++k) {
+      is_inverted |= numbers[k] > numbers[bulk_.dims + k];
+      has_nan |= std::isnan(numbers[k]) || std::isnan(numbers[bulk_.dims + k]);
+    }
+    return is_inverted && !has_nan && options_.inverted == Inverted::kEmpty
+               ? bulk_.single().Empty()
+               : bulk_.Single(numbers);
+  }
+
+  // A bound is that of the single builder. But D is within an ulp of it, if the
+  // tightest is not asked for, and spheres of floats round D in another way.
+  ::testing::AssertionResult IsBoundOfOne(std::size_t i) const {
+    const Planes& bound = first_[i];
+    const Planes& single = expected_[i];
+    const std::vector<double>& numbers = shapes_[i];
+    const std::size_t d = bulk_.dims;
+    const bool is_sphere = bulk_.kind == Kind::kSphere;
+    const bool is_same = bulk_.is_double || (options_.tightest && !is_sphere) ||
+                         single == bulk_.single().Everything() ||
+                         single == bulk_.single().Empty();
+    for (std::size_t p = 0; p < bulk_.planes(); ++p) {
+      if (bound[p] == single[p]) continue;
+      constexpr float kInfinity = std::numeric_limits<float>::infinity();
+      const float looser =
+          std::nextafter(single[p], p <= d ? -kInfinity : kInfinity);
+      const bool is_d = p % (d + 1) == d;
+      if (is_same || !is_d || (!is_sphere && bound[p] != looser)) {
+        return ::testing::AssertionFailure()
+               << "plane " << p << " is " << bound[p] << ", and of one shape "
+               << single[p];
+      }
+    }
+    if (is_same || !is_sphere) return ::testing::AssertionSuccess();
+    double slack = numbers.back() * 0x1p-100;
+    if (!options_.tightest) {
+      slack = numbers.back();
+      for (std::size_t k = 0; k < d; ++k) slack += std::fabs(numbers[k]);
+      slack *= 0x1p-49;
+    }
+    Shape shape;
+    for (std::size_t n = 0; n < numbers.size(); ++n) shape.Set(n, numbers[n]);
+    const Looseness loose{.d = options_.tightest ? 0 : 1, .d_slack = slack};
+    return HullOf(bulk_.single(), shape).IsEnclosedBy(bound.data(), loose);
+  }
+
+  Bulk bulk_;
+  BulkShapes shapes_;
+  FitOptions options_;
+  std::vector<Planes> expected_;
+  std::vector<Planes> first_;
+};
+
+}  // namespace halfspace::testing
+
+#endif  // HALFSPACE_TESTS_LIBRARY_FIT_MANY_BULK_ANSWERS_H_

@@ -1,0 +1,245 @@
+#include "tests/library/support/answers.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tests/library/support/canaries.h"
+#include "tests/library/support/target_that_runs.h"
+
+namespace halfspace::testing {
+namespace {
+
+// Before a call, so that what it writes shows.
+template <typename T>
+std::span<T> Unwritten(std::span<T> output) {
+  std::fill(output.begin(), output.end(), Canaried<T>::kCanary);
+  return output;
+}
+
+void CompareCallsOfOne(const Answers& answers, const AnyWorld& world,
+                       const AnyQueries& query, const Options& options,
+                       const Outputs& outputs, Differences& compare) {
+  const auto asked = [&] { return world.Asked(query); };
+  const Target target =
+      options.target == Target() ? ChosenTarget() : options.target;
+  if (const Target ran = TargetThatRuns(world, query, options); ran != target) {
+    compare.Add("CountSurvivors", "ran on " + std::string(ran.name()));
+  }
+  detail::RejectMask(asked(), Unwritten(outputs.words), options);
+  compare.Find<std::uint64_t>("RejectMask", answers.rejected(), outputs.words);
+  detail::SurvivorMask(asked(), outputs.words, options);
+  compare.Find<std::uint64_t>("SurvivorMask", answers.survived(),
+                              outputs.words);
+
+  const auto all = answers.survivors();
+  compare.Find("Survivors", all.size(),
+               detail::Survivors(asked(), outputs.objects, options, 0));
+  compare.Find<std::uint32_t>("Survivors", all, outputs.objects);
+  compare.Find("CountSurvivors", all.size(),
+               detail::CountSurvivors(asked(), options));
+  compare.Find("AnySurvivor", all.empty() ? detail::kNoSurvivor : all.front(),
+               detail::AnySurvivor(asked(), options));
+  std::vector<std::uint32_t> seen;
+  const auto add = [&](Span<const std::uint32_t> some) {
+    seen.insert(seen.end(), some.begin(), some.end());
+  };
+  detail::Callback call{add};
+  detail::ForEachSurvivor(asked(), &decltype(call)::Run, &call, options);
+  compare.Find("ForEachSurvivor", all.size(), seen.size());
+  seen.resize(all.size());
+  compare.Find<std::uint32_t>("ForEachSurvivor", all, seen);
+}
+
+// Pairs come in any order, but those of one query in ascending order.
+std::string WhatIsWrong(const Answers& answers, const Outputs& pairs) {
+  std::vector<std::size_t> seen(answers.queries());
+  for (std::size_t j = 0; j < answers.survivors().size(); ++j) {
+    const std::uint32_t q = pairs.queries[j];
+    if (q >= seen.size() || seen[q] == answers.survivors(q).size() ||
+        answers.survivors(q)[seen[q]++] != pairs.objects[j]) {
+      return "pair " + std::to_string(j) + " is query " + std::to_string(q) +
+             ", object " + std::to_string(pairs.objects[j]);
+    }
+  }
+  return {};
+}
+
+// Each word of the masks is in one tile, and tiles are parts of the range.
+void CompareTiles(const Answers& answers, const AnyWorld& world,
+                  const AnyQueries& queries, const Options& options,
+                  Differences& compare) {
+  const std::size_t begin = std::min(answers.range().begin, world.size());
+  const std::size_t end = std::min(answers.range().end, world.size());
+  const std::size_t words = MaskWords(end - begin);
+  std::vector<std::uint64_t> rows(answers.survived().size());
+  std::vector<int> times(rows.size());
+  const auto add = [&](const SurvivorTile& tile) {
+    const std::size_t first = tile.first_object - begin;
+    const bool is_part =
+        tile.queries > 0 && tile.objects > 0 &&
+        tile.first_query + tile.queries <= queries.count &&
+        tile.first_object >= begin && first % 64 == 0 &&
+        tile.first_object + tile.objects <= end &&
+        (tile.objects % 64 == 0 || tile.first_object + tile.objects == end);
+    if (!is_part) return compare.Add("ForEachTile", "a tile out of place");
+    for (std::size_t q = 0; q < tile.queries; ++q) {
+      const std::span<const std::uint64_t> row = tile.Row(q);
+      const std::size_t at = (tile.first_query + q) * words + first / 64;
+      compare.Find("a row of ForEachTile", MaskWords(tile.objects), row.size());
+      for (std::size_t w = 0; w < MaskWords(tile.objects); ++w) {
+        rows[at + w] = row[w];
+        ++times[at + w];
+      }
+    }
+  };
+  detail::Callback call{add};
+  detail::ForEachTile(world.Asked(queries), &decltype(call)::Run, &call,
+                      options);
+  compare.Find<std::uint64_t>("ForEachTile", answers.survived(), rows);
+  compare.Find<int>("ForEachTile, tiles of a word",
+                    std::vector<int>(rows.size(), 1), times);
+}
+
+// Outputs with more room than is needed, that notice a write into it and around
+// it.
+class CanariedOutputs {
+ public:
+  Outputs For(const Answers& answers) {
+    constexpr std::size_t kMore = 5;
+    needed_words_ = answers.rejected().size();
+    needed_pairs_ = answers.survivors().size();
+    queries_count_ = answers.queries();
+    return {words_.Reset(needed_words_ + kMore),
+            objects_.Reset(needed_pairs_ + kMore),
+            queries_.Reset(needed_pairs_ + kMore),
+            counts_.Reset(queries_count_ + kMore)};
+  }
+  bool Intact() const {
+    return words_.IntactBut(needed_words_) &&
+           objects_.IntactBut(needed_pairs_) &&
+           queries_.IntactBut(needed_pairs_) &&
+           counts_.IntactBut(queries_count_);
+  }
+
+ private:
+  std::size_t needed_words_ = 0;
+  std::size_t needed_pairs_ = 0;
+  std::size_t queries_count_ = 0;
+  Canaried<std::uint64_t> words_;
+  Canaried<std::uint32_t> objects_;
+  Canaried<std::uint32_t> queries_;
+  Canaried<std::size_t> counts_;
+};
+
+}  // namespace
+
+Answers Answers::OfReference(const AnyWorld& world, const AnyQueries& queries,
+                             const Range& range) {
+  const std::size_t words = MaskWords(world.size());
+  std::vector<std::uint64_t> rows(queries.count * words);
+  for (std::size_t q = 0; q < queries.count; ++q) {
+    world.ReferenceMask(world.One(queries, q),
+                        std::span(rows).subspan(q * words, words));
+  }
+  return {world.size(), queries.count, range, rows};
+}
+
+Answers Answers::OfCall(const AnyWorld& world, const AnyQueries& queries,
+                        Target target, const Range& range) {
+  std::vector<std::uint64_t> rows(queries.count * MaskWords(world.size()));
+  detail::RejectMasks(world.Asked(queries), rows,
+                      {.schedule = Schedule::kFlat, .target = target}, 0);
+  return {world.size(), queries.count, range, rows};
+}
+
+::testing::AssertionResult CallsAnswer(const Answers& answers,
+                                       const AnyWorld& world,
+                                       const AnyQueries& queries,
+                                       const Options& options,
+                                       const Outputs& outputs) {
+  Differences compare(options);
+  if (queries.count == 1) {
+    CompareCallsOfOne(answers, world, queries, options, outputs, compare);
+  }
+  const auto asked = [&] { return world.Asked(queries); };
+  detail::RejectMasks(asked(), Unwritten(outputs.words), options, 0);
+  compare.Find<std::uint64_t>("RejectMasks", answers.rejected(), outputs.words);
+  detail::SurvivorMasks(asked(), outputs.words, options, 0);
+  compare.Find<std::uint64_t>("SurvivorMasks", answers.survived(),
+                              outputs.words);
+  if (world.HasUnchecked() && options.schedule == Schedule::kAuto &&
+      options.range.begin == 0 && options.range.end >= world.size()) {
+    for (bool is_one : {false, true}) {
+      if (is_one && queries.count != 1) continue;
+      world.UncheckedMasks(queries, is_one, Unwritten(outputs.words),
+                           options.target);
+      compare.Find<std::uint64_t>("Kernels", answers.survived(), outputs.words);
+    }
+  }
+
+  const std::size_t pairs =
+      detail::SurvivorPairs(asked(), Unwritten(outputs.queries),
+                            Unwritten(outputs.objects), options, 0);
+  compare.Find("SurvivorPairs", answers.survivors().size(), pairs);
+  compare.Add("SurvivorPairs", WhatIsWrong(answers, outputs));
+  detail::SurvivorCounts(asked(), outputs.counts, options);
+  for (std::size_t q = 0; q < queries.count; ++q) {
+    compare.Find("SurvivorCounts", answers.survivors(q).size(),
+                 outputs.counts[q]);
+  }
+  CompareTiles(answers, world, queries, options, compare);
+  return compare.first();
+}
+
+::testing::AssertionResult AnswersEverywhere(
+    const Answers& answers, const AnyWorld& world, const AnyQueries& queries,
+    std::span<const Target> targets, std::span<const Schedule> schedules) {
+  thread_local CanariedOutputs outputs;
+  for (Target target : targets) {
+    for (Schedule schedule : schedules) {
+      const Options options{
+          .schedule = schedule, .target = target, .range = answers.range()};
+      auto result =
+          CallsAnswer(answers, world, queries, options, outputs.For(answers));
+      if (!result) return result;
+      if (!outputs.Intact()) {
+        return Differences(options).Say("a call") << "wrote past its output";
+      }
+    }
+  }
+  return ::testing::AssertionSuccess();
+}
+
+::testing::AssertionResult KeepsAllOf(const Answers& exact,
+                                      const Answers& of_quantized) {
+  for (std::size_t w = 0; w < exact.survived().size(); ++w) {
+    if ((exact.survived()[w] & of_quantized.rejected()[w]) == 0) continue;
+    return ::testing::AssertionFailure()
+           << "quantized bounds reject an object of word " << w
+           << ", which floats keep";
+  }
+  return ::testing::AssertionSuccess();
+}
+
+::testing::AssertionResult QuantizedAnswersEverywhere(
+    const AnyWorld& quantized, const AnyWorld& refined, const Answers& exact,
+    const AnyQueries& queries, std::span<const Target> targets) {
+  const Answers of_quantized =
+      Answers::OfCall(quantized, queries, targets[0], exact.range());
+  auto result = KeepsAllOf(exact, of_quantized);
+  if (result) {
+    result = AnswersEverywhere(of_quantized, quantized, queries, targets);
+  }
+  if (!result) return result << " (quantized alone)";
+  result = AnswersEverywhere(exact, refined, queries, targets);
+  if (!result) return result << " (refined)";
+  return result;
+}
+
+}  // namespace halfspace::testing
