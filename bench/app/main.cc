@@ -21,12 +21,12 @@
 #include "bench/base/progress.h"
 #include "bench/base/text.h"
 #include "bench/input/bounds_reader.h"
-#include "bench/input/input_file.h"
 #include "bench/input/mesh_reader.h"
+#include "bench/input/text_lines.h"
 #include "bench/measure/machine.h"
 #include "bench/report/table.h"
 #include "bench/sections/options.h"
-#include "bench/sections/sections.h"
+#include "bench/sections/run.h"
 #include "halfspace/targets.h"
 
 namespace halfspace::bench {

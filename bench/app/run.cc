@@ -13,7 +13,6 @@
 #include "bench/measure/groups.h"
 #include "bench/measure/machine.h"
 #include "bench/sections/run.h"
-#include "bench/sections/sections.h"
 
 namespace halfspace::bench {
 namespace {

@@ -147,6 +147,15 @@ class ShapeQueries {
   std::vector<DownSimplex3> simplices_;
 };
 
+// Adds the survivors of one query.
+template <typename T>
+void AddSurvivors(const AaboView3& view, const Aabo3& query,
+                  PerShape<T>& sums) {
+  sums.aabb += static_cast<T>(CountSurvivors(view.aabb(), query.aabb()));
+  sums.simplex += static_cast<T>(CountSurvivors(view.simplex(), query.down()));
+  sums.aabo += static_cast<T>(CountSurvivors(view, query));
+}
+
 }  // namespace halfspace::bench
 
 #endif  // HALFSPACE_BENCH_BASE_SHAPE_H_

@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "bench/baselines/box_tree.h"
-#include "bench/baselines/touches.h"
 #include "halfspace/bounds.h"
 
 namespace halfspace::bench {

@@ -53,9 +53,17 @@ struct Registered {
     return all;
   }
 
+  // Those for so many boxes.
+  static std::vector<Registered> AllFor(std::size_t boxes) {
+    std::vector<Registered> all = All();
+    std::erase_if(all, [boxes](const auto& each) { return boxes > each.most; });
+    return all;
+  }
+
   std::string name;
   Make make;
   std::size_t most;
+  bool is_ours = false;  // a way to use the library
 };
 
 template <int kDims>
@@ -92,6 +100,18 @@ class PairFinder : public Competitor {
   // of a pair.
   virtual void Pairs(std::vector<IndexPair>& found) = 0;
 };
+
+// The test that a competitor leaves to its user. Without branches, as what a
+// tree comes upon is hard to predict.
+template <int kDims>
+bool Touches(const Aabb<kDims>& a, const Aabb<kDims>& b) {
+  bool touches = true;
+  for (std::size_t k = 0; k < a.min.size(); ++k) {
+    touches &= a.min[k] <= b.max[k];
+    touches &= b.min[k] <= a.max[k];
+  }
+  return touches;
+}
 
 }  // namespace halfspace::bench
 

@@ -3,7 +3,6 @@
 #include <stdexcept>
 
 #include "bench/baselines/box_tree.h"
-#include "bench/baselines/touches.h"
 
 namespace halfspace::bench {
 namespace {

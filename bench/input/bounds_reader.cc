@@ -6,7 +6,6 @@
 #include <optional>
 #include <string_view>
 
-#include "bench/input/input_file.h"
 #include "bench/input/text_lines.h"
 
 namespace halfspace::bench {

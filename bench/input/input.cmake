@@ -2,7 +2,6 @@
 # link them.
 add_library(halfspace_bench_input STATIC
   ${CMAKE_CURRENT_LIST_DIR}/bounds_reader.cc
-  ${CMAKE_CURRENT_LIST_DIR}/input_file.cc
   ${CMAKE_CURRENT_LIST_DIR}/mesh_reader.cc
   ${CMAKE_CURRENT_LIST_DIR}/text_lines.cc)
 target_include_directories(halfspace_bench_input

@@ -9,7 +9,6 @@
 #include <system_error>
 #include <utility>
 
-#include "bench/input/input_file.h"
 #include "bench/input/text_lines.h"
 
 namespace halfspace::bench {

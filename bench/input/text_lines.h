@@ -1,14 +1,33 @@
-// The lines of an untrusted text file, and the numbers in them. Every error
-// names its place.
+// An untrusted text file: its bytes, its lines, and the numbers in them. Memory
+// grows with what has been read, never by what the file or the file system
+// promises. Every error names its place.
 #ifndef HALFSPACE_BENCH_INPUT_TEXT_LINES_H_
 #define HALFSPACE_BENCH_INPUT_TEXT_LINES_H_
 
 #include <cstddef>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
 namespace halfspace::bench {
+
+// what() is "FILE:LINE: problem; advice", or "FILE: problem; advice" where the
+// file could not be read at all. The advice says what to do.
+class InputError : public std::runtime_error {
+ public:
+  InputError(const std::string& file, const std::string& problem,
+             const std::string& advice)
+      : std::runtime_error(file + ": " + problem + "; " + advice) {}
+
+  InputError(const std::string& file, std::size_t line,
+             const std::string& problem, const std::string& advice)
+      : InputError(file + ":" + std::to_string(line), problem, advice) {}
+};
+
+// A whole text file. Stops at the first NUL, because a sparse file or a device
+// must not fill the memory. Throws InputError.
+std::string ReadText(const std::string& path);
 
 class TextLines {
  public:

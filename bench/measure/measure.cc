@@ -29,7 +29,12 @@ std::size_t IterationsFor(const Case& c, const Effort& effort) {
   if (effort.is_complete) {
     least = (c.runs_of_all + effort.repetitions - 1) / effort.repetitions;
   }
-  if (SecondsOf(c.run) > 4.0 * seconds) return least;
+  const double first = SecondsOf(c.run);
+  if (c.after) {
+    c.after();
+    return 1;
+  }
+  if (first > 4.0 * seconds) return least;
   const double once = std::max(SecondsOf(c.run), 1e-9);
   return std::max(least, static_cast<std::size_t>(
                              std::clamp(std::ceil(seconds / once), 1.0, 1e9)));
@@ -55,7 +60,6 @@ class Collector : public benchmark::BenchmarkReporter {
 #else
       const double seconds = run.cpu_accumulated_time;
 #endif
-      timings_[index].iterations = static_cast<std::size_t>(run.iterations);
       timings_[index].samples.push_back(
           seconds * 1e9 /
           (static_cast<double>(run.iterations) * cases_[index].items));
@@ -157,12 +161,11 @@ std::vector<Timing> Measure(const std::vector<Case>& cases,
   const auto step = [&] { progress.Update(++steps_done / steps); };
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const Case& c = cases[i];
-    timings[i].name = c.name;
-    timings[i].items = c.items;
     CheckAnswer(c);
     benchmark::RegisterBenchmark(std::to_string(i).c_str(),
                                  [&c, &step](benchmark::State& state) {
                                    for (auto _ : state) c.run();
+                                   if (c.after) c.after();
                                    step();
                                  })
         ->Iterations(
@@ -175,13 +178,13 @@ std::vector<Timing> Measure(const std::vector<Case>& cases,
       benchmark::ClearRegisteredBenchmarks();
     }
   }
-  for (const Timing& timing : timings) {
-    if (timing.samples.size() != effort.repetitions) {
-      throw std::logic_error(timing.name + ": was not timed");
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    if (timings[i].samples.size() != effort.repetitions) {
+      throw std::logic_error(cases[i].name + ": was not timed");
     }
     // Ratios of such times are no numbers.
-    if (!(timing.Quantile(0.0) > 0.0)) {
-      throw std::runtime_error(timing.name +
+    if (!(timings[i].Quantile(0.0) > 0.0)) {
+      throw std::runtime_error(cases[i].name +
                                ": took no time, so the clock is too coarse");
     }
   }

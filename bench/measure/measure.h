@@ -4,7 +4,6 @@
 #ifndef HALFSPACE_BENCH_MEASURE_MEASURE_H_
 #define HALFSPACE_BENCH_MEASURE_MEASURE_H_
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -25,10 +24,10 @@ class WrongAnswer : public std::runtime_error {
 
 // One thing to time.
 struct Case {
-  std::string name;
+  std::string name = {};
 
   // Neighbours of the same group are interleaved with each other.
-  std::string group;
+  std::string group = {};
 
   // What one run() works through, so that the time can be given for each:
   // objects times queries.
@@ -38,17 +37,18 @@ struct Case {
   std::size_t runs_of_all = 1;
 
   // Empty if the answers are right, else what is wrong. Called once, first.
-  std::function<std::string()> check;
+  std::function<std::string()> check = {};
 
-  std::function<void()> run;
+  std::function<void()> run = {};
+
+  // Called after each repetition, and not timed. Such a case runs once a
+  // repetition.
+  std::function<void()> after = {};
 };
 
 // Nanoseconds per item, over the repetitions.
 struct Timing {
-  std::string name;
   std::vector<double> samples;
-  double items = 1.0;          // of one run(), as in the case
-  std::size_t iterations = 0;  // calls of run() in each repetition
 
   double Median() const { return Quantile(0.5); }
   double Quantile(double quantile) const;
@@ -92,19 +92,18 @@ double SecondsOf(const std::function<void()>& run);
 std::vector<Timing> Measure(const std::vector<Case>& cases,
                             const Effort& effort, Progress& progress);
 
-// A case that calls call(query) `per_run` times a run, for queries 0, 1, ... up
-// to `different`, and again. It is timed per call; `queries` must outlive it.
-template <typename Query, typename Call>
-Case InTurn(std::string name, const std::vector<Query>& queries,
-            std::size_t different, std::size_t per_run, Call call) {
+// A case that calls call(i) `per_run` times a run, for i = 0, 1, ... below
+// `different`, and again. It is timed per call.
+template <typename Call>
+Case InTurn(std::size_t different, std::size_t per_run, Call call) {
   Case c;
-  c.name = std::move(name) + "/" + std::to_string(different);
   c.items = static_cast<double>(per_run);
-  c.run = [&queries, most = std::min(different, queries.size()), per_run, call,
+  c.runs_of_all = (different + per_run - 1) / per_run;
+  c.run = [different, per_run, call = std::move(call),
            next = std::size_t{0}]() mutable {
     for (std::size_t i = 0; i < per_run; ++i) {
-      call(queries[next]);
-      next = next + 1 == most ? 0 : next + 1;
+      call(next);
+      next = next + 1 == different ? 0 : next + 1;
     }
   };
   return c;

@@ -34,43 +34,6 @@ inline double ThreadSeconds() {
   return 0.0;
 }
 
-// CPU time of this thread in ns that work() takes, without that of two looks at
-// the clock.
-template <typename Work>
-double CpuNanoseconds(Work work) {
-  const auto time = [](auto timed) {
-    const double start = ThreadSeconds();
-    timed();
-    return 1e9 * (ThreadSeconds() - start);
-  };
-  static const double clock = [&] {
-    double least = time([] {});
-    for (int i = 0; i < 1000; ++i) least = std::min(least, time([] {}));
-    return least;
-  }();
-  return std::max(0.0, time(work) - clock);
-}
-
-// CPU times in ns of some steps, in `rounds` rounds after two that are not
-// counted. before(round) comes before each, and after the last. Odd rounds
-// begin with step `second`, because what comes later finds other caches.
-inline std::vector<std::vector<double>> TimeSteps(
-    std::size_t rounds, std::size_t second,
-    const std::function<void(std::size_t round)>& before,
-    const std::vector<std::function<void()>>& steps) {
-  std::vector<std::vector<double>> ns(steps.size());
-  for (std::size_t r = 0; r < rounds + 2; ++r) {
-    before(r);
-    for (std::size_t i = 0; i < steps.size(); ++i) {
-      const std::size_t step = (i + r % 2 * second) % steps.size();
-      const double time = CpuNanoseconds(steps[step]);
-      if (r >= 2) ns[step].push_back(time);
-    }
-  }
-  before(rounds + 2);
-  return ns;
-}
-
 // work(i) in each of `threads` threads, of which the caller is thread 0. It
 // must take so long that a thread which starts later does not count. Throws
 // std::system_error if no thread can be started, and what work() has thrown.

@@ -5,7 +5,6 @@
 
 #include "bench/paper/points.h"
 #include "bench/sections/run.h"
-#include "bench/sections/sections.h"
 #include "halfspace/fit.h"
 #include "halfspace/reject.h"
 

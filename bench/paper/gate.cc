@@ -11,10 +11,9 @@
 #include "bench/base/text.h"
 #include "bench/inner/target_loops.h"
 #include "bench/paper/loops.h"
-#include "bench/sections/run.h"
-#include "bench/sections/sections.h"
+#include "bench/sections/contest.h"
 #include "bench/sections/verdict.h"
-#include "bench/worlds/scene.h"
+#include "bench/worlds/workload.h"
 
 namespace halfspace::bench {
 namespace {
@@ -105,44 +104,45 @@ Tables BranchTables(Run& run) {
       const StagedScan staged =
           PaperLoopsFor(target).StagedOf(LoopsFor(target).one_query_lanes());
       if (target.lanes() < 4 || staged == nullptr) continue;
-      std::vector<Case> cases;
+      Contest ns(run, "gate");
       for (ShapeKind shape : kCompared) {
-        const std::string name = "gate/" + NameOf(target) + "/" +
-                                 Fixed(percent, 1) + "/" + NameOf(shape) + "/";
         for (const auto& each : kWays) {
           const Way way = each.first;
           const std::size_t planes = each.second;
-          cases.push_back(set.LoopCase(
-              name + NameOf(way) + "/" + std::to_string(planes), shape,
-              [=](auto... of) { staged(shape, way, planes, of...); }));
+          ns.Add({NameOf(target), percent, NameOf(shape), NameOf(way), planes},
+                 set.LoopCase(shape, [=](auto... of) {
+                   staged(shape, way, planes, of...);
+                 }));
         }
       }
-      const std::vector<Timing> ns = run.Time(cases, effort);
+      ns.Time(effort);
       const std::size_t of_shape = kWays.size();
       for (std::size_t s = 0; s < kCompared.size(); ++s) {
-        const Timing* flat = &ns[s * of_shape];
+        const std::size_t flat = s * of_shape;
         for (std::size_t planes : {1, 2}) {
-          const Timing* way = flat + 2 * planes - 1;
+          const Timing& branches = ns.timing(flat + 2 * planes - 1);
+          const Timing& lists = ns.timing(flat + 2 * planes);
           times.Add({NameOf(target), percent, NameOf(kCompared[s]), planes,
-                     flat->Median(), way[0].Median(), way[1].Median(),
-                     RangeOfRatios(way[0], way[1])});
+                     ns.timing(flat).Median(), branches.Median(),
+                     lists.Median(), RangeOfRatios(branches, lists)});
         }
       }
       // The faster number of planes, of cases `at` and `at + 2`.
       const auto faster = [&ns](std::size_t at) {
-        return ns[at].Median() <= ns[at + 2].Median() ? at : at + 2;
+        return ns.timing(at).Median() <= ns.timing(at + 2).Median() ? at
+                                                                    : at + 2;
       };
       const auto fastest = [&](std::size_t flat) {
         std::size_t best = flat;
         for (std::size_t each : {faster(flat + 1), faster(flat + 2)}) {
-          if (ns[each].Median() < ns[best].Median()) best = each;
+          if (ns.timing(each).Median() < ns.timing(best).Median()) best = each;
         }
         return best;
       };
       const auto add = [&](const char* way, std::size_t box,
                            std::size_t simplex) {
         ratios.Add({NameOf(target), percent, way,
-                    Marked(RangeOfRatios(ns[box], ns[simplex]))});
+                    Marked(RangeOfRatios(ns.timing(box), ns.timing(simplex)))});
       };
       add("flat", 0, of_shape);
       add("branches", faster(1), faster(of_shape + 1));
@@ -179,18 +179,15 @@ Tables RunGate(Run& run) {
     const std::vector<std::size_t> widths = WidthsFrom(target.lanes());
     std::vector<Ratio> ratios;
     for (std::size_t w : widths) {
-      std::vector<Case> cases;
-      cases.reserve(kShapes.size());
+      Contest ns(run, "gate");
       for (ShapeKind shape : kShapes) {
-        cases.push_back(GatedCase(set,
-                                  "gate/" + NameOf(target) + "/" +
-                                      std::to_string(w) + "/" + NameOf(shape),
-                                  shape, target, w));
+        ns.Add({NameOf(target), w, NameOf(shape)},
+               GatedCase(set, shape, target, w));
       }
-      const std::vector<Timing> ns = run.Time(cases);
-      ratios.push_back(RangeOfRatios(ns[0], ns[1]));
-      table.Add({NameOf(target), w, ns[0].Median(), ns[1].Median(),
-                 ns[2].Median(), ratios.back()});
+      ns.Time();
+      ratios.push_back(RangeOfRatios(ns.timing(0), ns.timing(1)));
+      table.Add({NameOf(target), w, ns.timing(0).Median(),
+                 ns.timing(1).Median(), ns.timing(2).Median(), ratios.back()});
     }
     notes.push_back(NameOf(target) + ": " + LeadersText(widths, ratios) + ".");
   }

@@ -10,8 +10,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string>
-#include <utility>
 
 #include "bench/base/shape.h"
 #include "bench/worlds/working_set.h"
@@ -106,11 +104,12 @@ struct PaperLoops {
 PaperLoops PaperLoopsFor(Target target);
 
 // A case of the paper's schedule.
-inline Case GatedCase(WorkingSet& set, std::string name, ShapeKind shape,
-                      Target target, std::size_t width) {
-  return set.LoopCase(std::move(name), shape,
-                      [gated = PaperLoopsFor(target).gated, shape,
-                       width](auto... of) { gated(shape, width, of...); });
+inline Case GatedCase(WorkingSet& set, ShapeKind shape, Target target,
+                      std::size_t width) {
+  return set.LoopCase(
+      shape, [gated = PaperLoopsFor(target).gated, shape, width](auto... of) {
+        gated(shape, width, of...);
+      });
 }
 
 }  // namespace halfspace::bench

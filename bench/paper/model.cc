@@ -12,11 +12,9 @@
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/measure/counts.h"
 #include "bench/paper/loops.h"
 #include "bench/paper/work_count.h"
-#include "bench/sections/run.h"
-#include "bench/sections/sections.h"
+#include "bench/sections/contest.h"
 
 namespace halfspace::bench {
 namespace {
@@ -162,12 +160,14 @@ Table AdvantageTable(Run& run, const VerdictWorld& typical,
                Advantage(box, simplex, compare, exact.ns.median),
                Cell()};
     if (w >= target.lanes()) {
-      const std::vector<Timing> ns = run.Time(
-          {GatedCase(set, "model/AABB", ShapeKind::kAabb, target, w),
-           GatedCase(set, "model/simplex", ShapeKind::kSimplex, target, w)});
-      std::vector<double> saved = ns[0].samples;
+      Contest ns(run, "model");
+      for (ShapeKind shape : {ShapeKind::kAabb, ShapeKind::kSimplex}) {
+        ns.Add({NameOf(shape), w}, GatedCase(set, shape, target, w));
+      }
+      ns.Time();
+      std::vector<double> saved = ns.timing(0).samples;
       for (std::size_t s = 0; s < saved.size(); ++s) {
-        saved[s] -= ns[1].samples[s] +
+        saved[s] -= ns.timing(1).samples[s] +
                     (simplex.survivors - box.survivors) * exact.ns.median;
       }
       const Ratio range = RangeOf(saved);

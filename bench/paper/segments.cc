@@ -12,7 +12,6 @@
 
 #include "bench/base/text.h"
 #include "bench/sections/run.h"
-#include "bench/sections/sections.h"
 #include "bench/worlds/random.h"
 #include "halfspace/fit.h"
 #include "halfspace/reject.h"

@@ -9,10 +9,8 @@
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/measure/counts.h"
 #include "bench/paper/work_count.h"
 #include "bench/sections/run.h"
-#include "bench/sections/sections.h"
 
 namespace halfspace::bench {
 namespace {

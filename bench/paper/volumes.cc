@@ -8,14 +8,13 @@
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/measure/counts.h"
 #include "bench/paper/scene_of_dimension.h"
 #include "bench/paper/volume_set.h"
-#include "bench/sections/run.h"
-#include "bench/sections/sections.h"
+#include "bench/paper/work_count.h"
+#include "bench/sections/contest.h"
 #include "bench/sections/verdict.h"
-#include "bench/worlds/scene.h"
 #include "bench/worlds/working_set.h"
+#include "bench/worlds/workload.h"
 #include "halfspace/reject.h"
 #include "tests/reference/reference.h"
 
@@ -56,21 +55,17 @@ Table VolumesTable(Run& run) {
   for (const WorkingSetSize& size : run.Reached({"L2", "memory"})) {
     VolumeSet set(ScenePoints(seed), size.objects, kTimedQueries);
     for (Target target : run.TargetsIn(size.name)) {
-      std::vector<Case> cases;
-      cases.reserve(kVolumeTests.size());
+      Contest ns(run, "volumes");
       for (const VolumeTest& test : kVolumeTests) {
-        cases.push_back(
-            set.MakeCase("volumes/" + size.name + "/" + NameOf(target) + "/" +
-                             NameOf(test.volume) + "/" + test.schedule,
-                         test, target));
+        ns.Add({NameOf(test.volume), test.schedule, size.name, NameOf(target)},
+               set.MakeCase(test, target));
       }
-      const std::vector<Timing> ns = run.Time(cases);
-      for (std::size_t t = 0; t < kVolumeTests.size(); ++t) {
-        const auto& [volume, schedule] = kVolumeTests[t];
-        table.Add({NameOf(volume), schedule, size.name, NameOf(target),
-                   PlanesOf(volume) * sizeof(float), ns[t].Median(),
-                   RatioOf(ns[t], ns[0]), over_aabb(volume)});
-      }
+      ns.Time();
+      ns.AddTo(table, [&](std::size_t t) -> Row {
+        const Volume volume = kVolumeTests[t].volume;
+        return {PlanesOf(volume) * sizeof(float), ns.timing(t).Median(),
+                RatioOf(ns.timing(t), ns.timing(0)), over_aabb(volume)};
+      });
     }
   }
   table.notes = run.NotReached();
@@ -91,16 +86,14 @@ void AddDimension(Run& run, std::size_t bytes, Table& table) {
   const AaboView<kDims> view = scene.objects.view();
   const Target target = run.best();
   std::vector<std::uint64_t> mask(MaskWords(view.size));
-  std::vector<Case> cases;
+  Contest ns(run, "volumes");
   const auto add = [&](const char* name, Schedule schedule, auto objects,
                        auto query_of) {
     const auto scan = [&, objects, query_of, schedule](std::size_t q) {
       RejectMask(objects, query_of(scene.queries[q]), mask,
                  {.schedule = schedule, .target = target});
     };
-    Case c = CaseOfQueries("volumes/" + std::to_string(kDims) + "D/" + name,
-                           scene.queries.size(), view.size, scan);
-    c.group = "volumes";
+    Case c = CaseOfQueries(scene.queries.size(), view.size, scan);
     c.items *= static_cast<double>(view.size);
     c.check = [&, objects, query_of, scan]() -> std::string {
       std::vector<std::uint64_t> expected(mask.size());
@@ -112,7 +105,7 @@ void AddDimension(Run& run, std::size_t bytes, Table& table) {
       }
       return {};
     };
-    cases.push_back(std::move(c));
+    ns.Add({std::size_t{kDims}, name}, std::move(c));
   };
   const auto box = [](const Aabo<kDims>& query) { return query.aabb(); };
   const auto all = [](const Aabo<kDims>& query) { return query; };
@@ -122,7 +115,8 @@ void AddDimension(Run& run, std::size_t bytes, Table& table) {
   add("aabb/staged", Schedule::kStaged, view.aabb(), box);
   add("aabo/flat", Schedule::kFlat, view, all);
   add("aabo/staged", Schedule::kStaged, view, all);
-  const std::vector<Timing> ns = run.Time(cases);
+  ns.Time();
+  const auto ns_of = [&ns](std::size_t i) { return ns.timing(i).Median(); };
   double boxes = 0.0;
   double simplices = 0.0;
   for (std::size_t q = 0;
@@ -132,9 +126,9 @@ void AddDimension(Run& run, std::size_t bytes, Table& table) {
     simplices +=
         static_cast<double>(CountSurvivors(view.simplex(), query.down()));
   }
-  table.Add({std::size_t{kDims}, NameOf(target), ns[0].Median(), ns[1].Median(),
-             std::min(ns[1].Median(), ns[2].Median()),
-             std::min(ns[3].Median(), ns[4].Median()), simplices / boxes});
+  table.Add({std::size_t{kDims}, NameOf(target), ns_of(0), ns_of(1),
+             std::min(ns_of(1), ns_of(2)), std::min(ns_of(3), ns_of(4)),
+             simplices / boxes});
 }
 
 Table DimensionsTable(Run& run) {
@@ -174,27 +168,23 @@ Table BoxesTable(Run& run) {
       if (run.is_quick() && size.name != "L2") continue;
       WorkingSet set(boxes, size);
       for (Target target : run.TargetsIn(size.name)) {
-        const std::string name = "volumes/boxes/" + size.name + "/" +
-                                 NameOf(target) + "/" + Fixed(percent, 1) + "/";
-        const auto make = [&](const char* what, ShapeKind shape,
-                              Schedule schedule) {
-          return set.LibraryCase(name + what, shape,
-                                 {.schedule = schedule, .target = target});
-        };
-        const std::vector<Timing> ns = run.Time(
-            {make("AABB/flat", ShapeKind::kAabb, Schedule::kFlat),
-             make("AABB/staged", ShapeKind::kAabb, Schedule::kStaged),
-             make("AABB/by-axis", ShapeKind::kAabb, Schedule::kStagedByAxis),
-             make("AABB/auto", ShapeKind::kAabb, Schedule::kAuto),
-             make("AABO/auto", ShapeKind::kAabo, Schedule::kAuto)});
-        const Timing& best = *std::min_element(
-            ns.begin(), ns.end() - 1, [](const Timing& a, const Timing& b) {
-              return a.Median() < b.Median();
-            });
-        table.Add({size.name, NameOf(target),
-                   Fixed(percent, percent < 1.0 ? 1 : 0) + " %", ns[0].Median(),
-                   ns[1].Median(), ns[2].Median(), ns[3].Median(),
-                   ns[4].Median(), Marked(RatioOf(best, ns.back()))});
+        Contest ns(run, "volumes/boxes");
+        Row row = {size.name, NameOf(target),
+                   Fixed(percent, percent < 1.0 ? 1 : 0) + " %"};
+        for (const auto& [name, schedule] : kSchedules) {
+          ns.Add({row[0], row[1], row[2], "AABB", name},
+                 set.LibraryCase(ShapeKind::kAabb,
+                                 {.schedule = schedule, .target = target}),
+                 Who::kCompetitor);
+        }
+        ns.Add({row[0], row[1], row[2], "AABO"},
+               set.LibraryCase(ShapeKind::kAabo, {.target = target}));
+        ns.Time();
+        for (std::size_t i = 0; i < ns.size(); ++i) {
+          row.push_back(ns.timing(i).Median());
+        }
+        row.push_back(Marked(RatioOf(ns.fastest(), ns.timing(4))));
+        table.Add(std::move(row));
       }
     }
   }
@@ -232,17 +222,18 @@ Tables RunDual(Run& run) {
       batches += BatchesWithSurvivor(set->mask());
     }
     for (Target target : run.TargetsIn(set->name())) {
-      const std::string name = "dual/" + set->name() + "/" + NameOf(target);
-      const auto aabo = [&](const char* what, Schedule schedule) {
-        return set->LibraryCase(name + what, ShapeKind::kAabo,
-                                {.schedule = schedule, .target = target});
-      };
-      const std::vector<Timing> ns = run.Time(
-          {aabo("/flat", Schedule::kFlat), aabo("/staged", Schedule::kStaged)});
+      Contest ns(run, "dual");
+      for (Schedule schedule : {Schedule::kFlat, Schedule::kStaged}) {
+        ns.Add({set->name(), NameOf(target)},
+               set->LibraryCase(ShapeKind::kAabo,
+                                {.schedule = schedule, .target = target}));
+      }
+      ns.Time();
       table.Add({content.name, set->name(), NameOf(target),
                  100.0 * static_cast<double>(batches) /
                      static_cast<double>(set->mask().size() * counted),
-                 ns[0].Median(), ns[1].Median(), RatioOf(ns[1], ns[0])});
+                 ns.timing(0).Median(), ns.timing(1).Median(),
+                 RatioOf(ns.timing(1), ns.timing(0))});
     }
   }
   table.notes = run.NotReached();

@@ -4,9 +4,11 @@
 #ifndef HALFSPACE_BENCH_PAPER_WORK_COUNT_H_
 #define HALFSPACE_BENCH_PAPER_WORK_COUNT_H_
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "bench/base/shape.h"
@@ -53,6 +55,12 @@ inline constexpr WorkCount kPaperWork = {
 
 inline constexpr PerShape<std::size_t> kPaperSurvivors = {21'814, 47'559,
                                                           20'039};
+
+// The batches of 64 objects that have a survivor.
+inline std::size_t BatchesWithSurvivor(std::span<const std::uint64_t> mask) {
+  return mask.size() -
+         static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 0u));
+}
 
 }  // namespace halfspace::bench
 

@@ -13,9 +13,8 @@
 #include "bench/base/shape.h"
 #include "bench/base/text.h"
 #include "bench/measure/groups.h"
-#include "bench/sections/run.h"
-#include "bench/sections/sections.h"
-#include "bench/worlds/scene.h"
+#include "bench/sections/contest.h"
+#include "bench/worlds/workload.h"
 #include "halfspace/bvh.h"
 #include "halfspace/quantized.h"
 #include "halfspace/reject.h"
@@ -40,20 +39,11 @@ class Structures {
     for (const Aabo3& query : queries) queries_.push_back(SeenAs<Query>(query));
   }
 
-  // A scan of floats, one of uint8, and a BVH. They are timed per query.
-  std::vector<Case> Cases(const std::string& place) {
-    return {
-        CaseOf(place + "/scan",
-               [this](const Query& query) {
-                 return Survivors(view_, query, found_, {.target = target_});
-               }),
-        CaseOf(place + "/quantized",
-               [this](const Query& query) {
-                 return Survivors(bytes_, query, found_, {.target = target_});
-               }),
-        CaseOf(place + "/BVH", [this](const Query& query) {
-          return Survivors(bvh_, query, found_, {.target = target_});
-        })};
+  // Adds a scan of floats, one of uint8, and a BVH. They are timed per query.
+  void AddTo(Contest& contest, const std::string& shape) {
+    contest.Add({shape, "scan", "floats"}, CaseOf(view_));
+    contest.Add({shape, "scan", "uint8"}, CaseOf(bytes_));
+    contest.Add({shape, "BVH", "floats"}, CaseOf(bvh_));
   }
 
   // Of a query: the mean of some.
@@ -67,17 +57,18 @@ class Structures {
   }
 
  private:
-  // find(query) returns how many survivors it lists: as many as a flat scan
-  // counts, for some queries.
-  Case CaseOf(std::string name,
-              const std::function<std::size_t(const Query&)>& find) {
-    Case c = CaseOfQueries(
-        std::move(name), queries_.size(), view_.size,
-        [this, find](std::size_t q) { std::ignore = find(queries_[q]); });
+  // A query lists as many survivors as a flat scan counts, for some queries.
+  template <typename World>
+  Case CaseOf(const World& world) {
+    const auto find = [this, &world](std::size_t q) {
+      return Survivors(world, queries_[q], found_, {.target = target_});
+    };
+    Case c = CaseOfQueries(queries_.size(), view_.size,
+                           [find](std::size_t q) { std::ignore = find(q); });
     c.check = [this, find]() -> std::string {
       for (std::size_t q = 0; q < std::min<std::size_t>(64, queries_.size());
            ++q) {
-        if (find(queries_[q]) !=
+        if (find(q) !=
             CountSurvivors(view_, queries_[q], {.schedule = Schedule::kFlat})) {
           return "the survivors are not as many as a flat scan finds";
         }
@@ -118,38 +109,29 @@ Ways MeasureWays(Run& run, const AaboWorld3& world) {
   auto simplex = in(view.simplex());
   auto aabb = in(view.aabb());
   auto aabo = in(view);
-  std::vector<Case> cases;
-  std::vector<Way> all;
-  std::vector<double> survivors;
-  const auto add = [&](ShapeKind shape, auto& structures) {
-    const char* const name = NameOf(shape);
-    for (Case& c : structures.Cases(std::string("answers/") + name)) {
-      c.group = "answers";
-      cases.push_back(std::move(c));
-      survivors.push_back(structures.MeanSurvivors());
-    }
-    all.push_back({name, "scan", "floats", {}});
-    all.push_back({name, "scan", "uint8", {}});
-    all.push_back({name, "BVH", "floats", {}});
-  };
-  add(ShapeKind::kSimplex, simplex);
-  add(ShapeKind::kAabb, aabb);
-  add(ShapeKind::kAabo, aabo);
+  Contest contest(run, "answers");
+  simplex.AddTo(contest, "simplex");
+  aabb.AddTo(contest, "AABB");
+  aabo.AddTo(contest, "AABO");
+  const std::array<double, 3> survivors = {
+      simplex.MeanSurvivors(), aabb.MeanSurvivors(), aabo.MeanSurvivors()};
   // Enough for a range that another run does not leave.
   Effort effort = run.effort;
   if (run.options.repetitions == 0) effort.repetitions = kGroups;
-  const std::vector<Timing> timings = run.Time(cases, effort);
+  contest.Time(effort);
   const double exact_ns = run.TheExactTest().ns.median;
   Ways ways;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    all[i].time = timings[i];
-    for (double& ns : all[i].time.samples) ns += exact_ns * survivors[i];
-    const auto slower = std::upper_bound(
-        ways.begin(), ways.end(), all[i], [](const Way& a, const Way& b) {
-          return a.time.Median() < b.time.Median();
-        });
-    ways.insert(slower, all[i]);
+  for (std::size_t i = 0; i < contest.size(); ++i) {
+    const Row& keys = contest.keys(i);
+    ways.push_back(
+        {keys[0].text, keys[1].text, keys[2].text, contest.timing(i)});
+    for (double& ns : ways.back().time.samples) {
+      ns += exact_ns * survivors[i / 3];
+    }
   }
+  std::stable_sort(ways.begin(), ways.end(), [](const Way& a, const Way& b) {
+    return a.time.Median() < b.time.Median();
+  });
   return ways;
 }
 
@@ -273,23 +255,20 @@ Row StructuresRow(Run& run, std::size_t objects, const Effort& effort) {
   const AabbView3 view = scene.objects.view().aabb();
   Structures<AabbView3> structures(view, scene.queries, run.best(), kFast);
   enum Job : std::size_t { kScan, kQuantized, kBvh, kEncode, kBuild };
-  std::vector<Case> cases = structures.Cases("structures");
-  cases.resize(5);
-  cases[kEncode].name = "structures/encode";
-  cases[kEncode].run = [&] {
-    const QuantizedWorld<AabbView3> made(view);
-    KeepResult(static_cast<std::uint32_t>(made.size()));
+  Contest contest(run, "structures");
+  structures.AddTo(contest, "AABB");
+  const auto add = [&](const char* name, auto make) {
+    Case c;
+    c.run = [make] { KeepResult(static_cast<std::uint32_t>(make().size())); };
+    contest.Add({name}, std::move(c));
   };
-  cases[kBuild].name = "structures/build";
-  cases[kBuild].run = [&] {
-    const Bvh<AabbView3> made(view, kFast);
-    KeepResult(static_cast<std::uint32_t>(made.size()));
-  };
-  const std::vector<Timing> ns = run.Time(cases, effort);
+  add("encode", [&] { return QuantizedWorld<AabbView3>(view); });
+  add("build", [&] { return Bvh<AabbView3>(view, kFast); });
+  contest.Time(effort);
   std::vector<double> encoding_pays;
   std::vector<double> bvh_pays;
   for (std::size_t r = 0; r < effort.repetitions; ++r) {
-    const auto of = [&](Job job) { return ns[job].samples[r]; };
+    const auto of = [&](Job job) { return contest.timing(job).samples[r]; };
     const double encoding =
         PaysFrom(of(kEncode), of(kQuantized), 0.0, of(kScan));
     double tree = PaysFrom(of(kBuild), of(kBvh), 0.0, of(kScan));
@@ -302,7 +281,9 @@ Row StructuresRow(Run& run, std::size_t objects, const Effort& effort) {
     bvh_pays.push_back(tree);
   }
   Row row = {objects};
-  for (const Timing& timing : ns) row.emplace_back(timing.Median() / 1e3);
+  for (std::size_t i = 0; i < contest.size(); ++i) {
+    row.emplace_back(contest.timing(i).Median() / 1e3);
+  }
   row.push_back(QueriesCell(GroupRange(encoding_pays)));
   row.push_back(QueriesCell(GroupRange(bvh_pays)));
   return row;

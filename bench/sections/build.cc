@@ -13,8 +13,7 @@
 
 #include "bench/base/text.h"
 #include "bench/inner/target_loops.h"
-#include "bench/sections/run.h"
-#include "bench/sections/sections.h"
+#include "bench/sections/contest.h"
 #include "bench/worlds/random.h"
 #include "bench/worlds/workload.h"
 #include "halfspace/halfspace.h"
@@ -160,18 +159,6 @@ std::string CheckBuild(Source& source, const FitOptions& options) {
 
 // The builds of one kind at one size, and the copies they are measured by.
 void AddBuilds(Run& run, Source source, const std::string& set, Table& table) {
-  const std::size_t rounds =
-      std::max<std::size_t>(1, kObjectsPerRun / source.objects);
-  std::vector<Case> cases;
-  const auto add = [&](std::string name, auto once) {
-    Case c;
-    c.name = "build/" + set + "/" + source.shapes + "/" + std::move(name);
-    c.items = static_cast<double>(source.objects * rounds);
-    c.run = [rounds, once] {
-      for (std::size_t i = 0; i < rounds; ++i) once();
-    };
-    cases.push_back(std::move(c));
-  };
   // A copy reads half of its bytes and writes the other half, with the widest
   // vectors. Stores past the caches are faster or not.
   struct alignas(64) Lines {
@@ -179,208 +166,181 @@ void AddBuilds(Run& run, Source source, const std::string& set, Table& table) {
   };
   std::vector<Lines> from(source.objects * source.bytes / 2 / sizeof(Lines));
   std::vector<Lines> to(from.size());
+  const auto copy = LoopsFor(SupportedTargets().front()).copy;
+  const std::string shapes = source.shapes;
+  Contest contest(run, "build/" + set);
   for (bool streamed : {false, true}) {
-    add("copy",
-        [&, streamed, copy = LoopsFor(SupportedTargets().front()).copy] {
-          copy(streamed, from[0].words.data(), to[0].words.data(),
-               from.size() * from[0].words.size());
-        });
+    contest.Add({shapes, "copy"},
+                CaseOfObjects(source.objects,
+                              [&, copy, streamed] {
+                                copy(streamed, from[0].words.data(),
+                                     to[0].words.data(),
+                                     from.size() * from[0].words.size());
+                              }),
+                Who::kLimit);
   }
-  std::vector<Row> rows;
   for (Target target : run.targets) {
     for (bool tightest : {false, true}) {
       // The tightest D of a triangle is that of its corners, and of a sphere it
       // is computed for so long that the size of the set tells nothing more.
-      const std::string shapes = source.shapes;
       if (tightest &&
           (shapes == "triangles" || (shapes == "spheres" && set == "memory"))) {
         continue;
       }
-      const char* rounding = tightest ? "tightest" : "within-ulp";
       const FitOptions options{.tightest = tightest, .target = target};
-      rows.push_back(
-          {shapes, "aabo", rounding, NameOf(target), set, source.objects});
-      add(NameOf(target) + "/" + rounding,
-          [&, options] { source.build(options, source.built.planes()); });
-      cases.back().check = [&, options] { return CheckBuild(source, options); };
+      Case c = CaseOfObjects(source.objects, [&, options] {
+        source.build(options, source.built.planes());
+      });
+      c.check = [&, options] { return CheckBuild(source, options); };
+      contest.Add({shapes, "aabo", tightest ? "tightest" : "within-ulp",
+                   NameOf(target), set, source.objects},
+                  std::move(c));
     }
   }
-  const std::vector<Timing> timings = run.Time(cases, ShareOf(run.effort));
-  const Timing& copy =
-      timings[timings[0].Median() < timings[1].Median() ? 0 : 1];
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    const Timing& timing = timings[2 + i];
-    rows[i].insert(
-        rows[i].end(),
-        {timing.Median(), static_cast<double>(source.bytes) / timing.Median(),
-         RatioOf(copy, timing).Percent()});
-    table.Add(rows[i]);
-  }
+  contest.Time(ShareOf(run.effort));
+  contest.AddTo(table, [&](std::size_t i) -> Row {
+    const Timing& timing = contest.timing(i);
+    return {timing.Median(),
+            static_cast<double>(source.bytes) / timing.Median(),
+            RatioOf(contest.fastest(), timing).Percent()};
+  });
 }
-
-// With 256 in turn most calls take half as long, because a branch predictor
-// learns them.
-constexpr std::size_t kSingles = kTimedQueries;
-constexpr std::size_t kCallsOfRun = 256;
 
 constexpr std::size_t kPointsOfSingle = 64;
 constexpr std::size_t kPieces = 16;
 
-// Random numbers, and the shapes that a case makes of them.
-struct Singles {
-  std::vector<Point3> a{kSingles};
-  std::vector<Point3> b{kSingles};
-  std::vector<Point3> c{kSingles};
-  std::vector<float> length = std::vector<float>(kSingles);
-  std::vector<Aabo3> bound{kSingles};
+// What a shape is made of.
+struct Single {
+  const Point3& a;  // the first of kPointsOfSingle
+  const Point3& b;
+  const Point3& c;
+  float length;
+  const Aabo3& bound;
+  const Aabo3& other;
 
-  Singles() {
-    Random random(11);
-    const auto point = [&] {
-      Point3 p;
-      for (float& x : p) x = 50.0f * random.Signed();
-      return p;
-    };
-    for (std::size_t i = 0; i < kSingles; ++i) {
-      a[i] = point();
-      b[i] = point();
-      c[i] = point();
-      length[i] = 1.25f + 0.75f * random.Signed();
-      bound[i] = BoundSegment(Segment3{a[i], b[i]});
-    }
-  }
+  Affine3 Map() const { return {{b, c, a}, c}; }
 
-  OrientedBox3 Box(std::size_t i) const {
-    return {a[i], {b[i], c[i], a[i]}, {length[i], length[i], length[i]}};
-  }
-
-  Affine3 Map(std::size_t i) const { return {{b[i], c[i], a[i]}, c[i]}; }
-
-  // Around a[i], closed: a cube whose faces lean by a little.
-  std::array<HalfSpace3, 6> Planes(std::size_t i) const {
+  // Around a, closed: a cube whose faces lean by a little.
+  std::array<HalfSpace3, 6> Planes() const {
     std::array<HalfSpace3, 6> planes{};
     for (std::size_t f = 0; f < planes.size(); ++f) {
       Point3 normal{};
-      for (std::size_t k = 0; k < 3; ++k) normal[k] = 0.002f * b[i][k];
+      for (std::size_t k = 0; k < 3; ++k) normal[k] = 0.002f * b[k];
       normal[f / 2] += f % 2 == 0 ? 1.0f : -1.0f;
-      float offset = length[i];
-      for (std::size_t k = 0; k < 3; ++k) offset -= normal[k] * a[i][k];
+      float offset = length;
+      for (std::size_t k = 0; k < 3; ++k) offset -= normal[k] * a[k];
       planes[f] = {normal, offset};
     }
     return planes;
   }
 };
 
-// The bits of a minimum, so that no call is left out.
-template <typename Bound>
-std::uint32_t Digest(const Bound& bound) {
-  return std::bit_cast<std::uint32_t>(bound.min.back());
-}
-
-// build(shapes, i) returns the bound of shape i.
-template <typename Build>
-Case CaseOf(const char* name, const std::shared_ptr<const Singles>& shapes,
-            std::size_t items_per_call, const Build& build) {
-  Case c;
-  c.name = std::string("single/") + name;
-  c.group = "single";
-  c.items = static_cast<double>(kCallsOfRun * items_per_call);
-  c.check = [shapes, build]() -> std::string {
-    for (std::size_t i = 0; i < kCallsOfRun; ++i) {
-      using Bound = decltype(build(*shapes, i));
-      if (build(*shapes, i) == Bound::Everything()) {
-        return "shape " + std::to_string(i) + " was not bounded";
+// Random numbers for so many shapes: with 256 in turn most calls take half as
+// long, because a branch predictor learns them.
+class Singles {
+ public:
+  Singles() {
+    Random random(11);
+    for (std::vector<Point3>* points : {&a_, &b_, &c_}) {
+      for (Point3& p : *points) {
+        for (float& x : p) x = 50.0f * random.Signed();
       }
     }
-    return {};
-  };
-  c.run = [shapes, build, next = std::size_t{0}]() mutable {
-    std::uint32_t digest = 0;
-    for (std::size_t i = 0; i < kCallsOfRun; ++i) {
-      digest ^= Digest(build(*shapes, next));
-      next = next + 1 == kSingles ? 0 : next + 1;
+    for (std::size_t i = 0; i < kTimedQueries; ++i) {
+      length_[i] = 1.25f + 0.75f * random.Signed();
+      bound_[i] = BoundSegment(Segment3{a_[i], b_[i]});
     }
-    KeepResult(digest);
-  };
-  return c;
-}
+  }
 
-// A case for each builder of fit.h and transform.h in 3 dimensions, over random
-// shapes. Its items are calls.
-std::vector<Case> SingleBuildCases() {
-  const auto shapes = std::make_shared<const Singles>();
-  std::vector<Case> cases;
-  const auto add = [&](const char* name, const auto& build,
-                       std::size_t items = 1) {
-    cases.push_back(CaseOf(name, shapes, items, build));
+  Single operator[](std::size_t i) const {
+    return {a_[i],      b_[i],     c_[i],
+            length_[i], bound_[i], bound_[kTimedQueries - 1 - i]};
+  }
+
+ private:
+  std::vector<Point3> a_{kTimedQueries + kPointsOfSingle};
+  std::vector<Point3> b_{kTimedQueries};
+  std::vector<Point3> c_{kTimedQueries};
+  std::vector<float> length_ = std::vector<float>(kTimedQueries);
+  std::vector<Aabo3> bound_{kTimedQueries};
+};
+
+// Each builder of fit.h and transform.h in 3 dimensions, over random shapes.
+void AddSingles(Run& run, Table& table) {
+  const Singles singles;
+  Contest contest(run, "single");
+  const auto add = [&](const char* name, auto build, std::size_t items = 1) {
+    constexpr std::size_t kCallsOfRun = 256;
+    Case c;
+    c.items = static_cast<double>(kCallsOfRun * items);
+    c.check = [&singles, build]() -> std::string {
+      for (std::size_t i = 0; i < kCallsOfRun; ++i) {
+        using Bound = decltype(build(singles[i]));
+        if (build(singles[i]) == Bound::Everything()) {
+          return "shape " + std::to_string(i) + " was not bounded";
+        }
+      }
+      return {};
+    };
+    c.run = [&singles, build, next = std::size_t{0}]() mutable {
+      // The bits of a minimum, so that no call is left out.
+      std::uint32_t digest = 0;
+      for (std::size_t i = 0; i < kCallsOfRun; ++i) {
+        digest ^= std::bit_cast<std::uint32_t>(build(singles[next]).min.back());
+        next = next + 1 == kTimedQueries ? 0 : next + 1;
+      }
+      KeepResult(digest);
+    };
+    contest.Add({name}, std::move(c));
   };
-  using S = Singles;
-  add("BoundPoint",
-      [](const S& s, std::size_t i) { return BoundPoint<3>(s.a[i]); });
+  using S = const Single&;
+  add("BoundPoint", [](S s) { return BoundPoint<3>(s.a); });
   add(
       "BoundPoints, a point",
-      [](const S& s, std::size_t i) {
-        const std::size_t first = i % (kSingles - kPointsOfSingle);
-        return BoundPoints(Points3{s.a[first].data(), kPointsOfSingle});
+      [](S s) {
+        return BoundPoints(Points3{s.a.data(), kPointsOfSingle});
       },
       kPointsOfSingle);
-  add("BoundSegment", [](const S& s, std::size_t i) {
-    return BoundSegment(Segment3{s.a[i], s.b[i]});
+  add("BoundSegment", [](S s) { return BoundSegment(Segment3{s.a, s.b}); });
+  add("BoundTriangle", [](S s) {
+    return BoundTriangle(Triangle3{s.a, s.b, s.c});
   });
-  add("BoundTriangle", [](const S& s, std::size_t i) {
-    return BoundTriangle(Triangle3{s.a[i], s.b[i], s.c[i]});
+  add("BoundAabb", [](S s) { return BoundAabb(s.bound.aabb()); });
+  add("BoundOrientedBox", [](S s) {
+    return BoundOrientedBox(
+        OrientedBox3{s.a, {s.b, s.c, s.a}, {s.length, s.length, s.length}});
   });
-  add("BoundAabb",
-      [](const S& s, std::size_t i) { return BoundAabb(s.bound[i].aabb()); });
-  add("BoundOrientedBox",
-      [](const S& s, std::size_t i) { return BoundOrientedBox(s.Box(i)); });
-  add("BoundSphere", [](const S& s, std::size_t i) {
-    return BoundSphere(Sphere3{s.a[i], s.length[i]});
+  add("BoundSphere", [](S s) { return BoundSphere(Sphere3{s.a, s.length}); });
+  add("BoundCapsule", [](S s) {
+    return BoundCapsule(Capsule3{s.a, s.b, s.length});
   });
-  add("BoundCapsule", [](const S& s, std::size_t i) {
-    return BoundCapsule(Capsule3{s.a[i], s.b[i], s.length[i]});
-  });
-  add("BoundRay", [](const S& s, std::size_t i) {
-    return BoundRay(Ray3{s.a[i], s.b[i], s.length[i]});
-  });
+  add("BoundRay", [](S s) { return BoundRay(Ray3{s.a, s.b, s.length}); });
   add(
       "BoundSegmentPieces, a piece",
-      [](const S& s, std::size_t i) {
+      [](S s) {
         std::array<Aabo3, kPieces> pieces;
-        BoundSegmentPieces<3>({s.a[i], s.b[i]}, pieces);
+        BoundSegmentPieces<3>({s.a, s.b}, pieces);
         return pieces.back();
       },
       kPieces);
-  add("BoundFrustum",
-      [](const S& s, std::size_t i) { return BoundFrustum(s.Planes(i)); });
-  add("BoundTransformed, a point", [](const S& s, std::size_t i) {
-    return BoundTransformed(Points3{s.a[i].data(), 1}, s.Map(i));
+  add("BoundFrustum", [](S s) { return BoundFrustum(s.Planes()); });
+  add("BoundTransformed, a point", [](S s) {
+    return BoundTransformed(Points3{s.a.data(), 1}, s.Map());
   });
-  add("BoundTransformed, a box", [](const S& s, std::size_t i) {
-    return BoundTransformed(s.bound[i].aabb(), s.Map(i));
+  add("BoundTransformed, a box",
+      [](S s) { return BoundTransformed(s.bound.aabb(), s.Map()); });
+  add("Merge", [](S s) { return Merge(s.bound, s.other); });
+  add("Inflate", [](S s) { return Inflate(s.bound, s.length); });
+  add("InflateByBox", [](S s) { return InflateByBox(s.bound, s.length); });
+  add("Translate", [](S s) { return Translate(s.bound, s.c); });
+  add("TranslateVertices", [](S s) { return TranslateVertices(s.bound, s.c); });
+  add("Scale", [](S s) { return Scale(s.bound, s.length); });
+  add("Sweep", [](S s) { return Sweep(s.bound, s.c); });
+  add("Circumscribe", [](S s) { return Circumscribe(s.bound.down()); });
+  contest.Time(ShareOf(run.effort));
+  contest.AddTo(table, [&](std::size_t i) -> Row {
+    return {SpreadOf(contest.timing(i))};
   });
-  add("Merge", [](const S& s, std::size_t i) {
-    return Merge(s.bound[i], s.bound[kSingles - 1 - i]);
-  });
-  add("Inflate", [](const S& s, std::size_t i) {
-    return Inflate(s.bound[i], s.length[i]);
-  });
-  add("InflateByBox", [](const S& s, std::size_t i) {
-    return InflateByBox(s.bound[i], s.length[i]);
-  });
-  add("Translate",
-      [](const S& s, std::size_t i) { return Translate(s.bound[i], s.c[i]); });
-  add("TranslateVertices", [](const S& s, std::size_t i) {
-    return TranslateVertices(s.bound[i], s.c[i]);
-  });
-  add("Scale",
-      [](const S& s, std::size_t i) { return Scale(s.bound[i], s.length[i]); });
-  add("Sweep",
-      [](const S& s, std::size_t i) { return Sweep(s.bound[i], s.c[i]); });
-  add("Circumscribe", [](const S& s, std::size_t i) {
-    return Circumscribe(s.bound[i].down());
-  });
-  return cases;
 }
 
 }  // namespace
@@ -391,27 +351,24 @@ Tables RunBuild(Run& run) {
                {Key("shapes"), Key("planes"), Key("rounding"), Key("target"),
                 Key("set"), Key("objects"), Value("ns/item"),
                 Value("GB/s", "", 1), Higher("% of copy", "", 0)}};
-  const Workload& workload = run.Measured();
-  std::size_t part = 0;
-  const std::vector<WorkingSetSize> sizes = run.Reached({"L2", "memory"});
-  for (const WorkingSetSize& size : sizes) {
-    for (auto make : {BoxesSource, SpheresSource, TrianglesSource}) {
-      run.progress.BeginPart(part++, 3 * sizes.size() + 1);
-      if (run.is_quick() && size.name == "memory" && make != BoxesSource) {
-        continue;
-      }
-      AddBuilds(run, make(workload, size.bytes), size.name, builds);
-    }
-  }
-  builds.notes = run.NotReached();
   Table singles{"build: single",
                 "one shape at a time, in 3 dimensions",
                 {Key("call"), Lower("time", "ns")}};
-  for (const Timing& timing :
-       run.Time(SingleBuildCases(), ShareOf(run.effort))) {
-    singles.Add(
-        {timing.name.substr(timing.name.find('/') + 1), SpreadOf(timing)});
+  const Workload& workload = run.Measured();
+  Parts parts;
+  for (const WorkingSetSize& size : run.Reached({"L2", "memory"})) {
+    for (auto make : {BoxesSource, SpheresSource, TrianglesSource}) {
+      if (run.is_quick() && size.name == "memory" && make != BoxesSource) {
+        continue;
+      }
+      parts.emplace_back([&, size, make] {
+        AddBuilds(run, make(workload, size.bytes), size.name, builds);
+      });
+    }
   }
+  parts.emplace_back([&] { AddSingles(run, singles); });
+  RunParts(run, parts);
+  builds.notes = run.NotReached();
   return {builds, singles};
 }
 

@@ -19,9 +19,7 @@
 #include "bench/base/text.h"
 #include "bench/baselines/box_tree.h"
 #include "bench/measure/machine.h"
-#include "bench/measure/team.h"
 #include "bench/sections/contest.h"
-#include "bench/sections/sections.h"
 #include "bench/worlds/box_set.h"
 #include "bench/worlds/random.h"
 #include "halfspace/bvh_nearest.h"
@@ -50,7 +48,7 @@ constexpr std::size_t kQueriesInTurn = 2000;
 constexpr float kSide3D = 1.9f;
 constexpr float kSide2D = 0.37f;
 
-struct Result {
+struct BvhTables {
   Table queries{"bvh",
                 "us a query; times as fast as the fastest competitor",
                 {Key("world"), Key("objects"), Key("what"), Key("target"),
@@ -60,45 +58,41 @@ struct Result {
              "what is done to all objects at once",
              {Key("job"), Key("objects"), Value("time", "ms", 1)}};
 
-  void AddJobs(const Contest& contest, std::size_t objects) {
-    for (std::size_t i = 0; i < contest.size(); ++i) {
-      jobs.Add({contest.name(i), objects, contest.timing(i).Median() / 1e6});
-    }
+  void AddJobs(Contest& contest, std::size_t repetitions) {
+    contest.TimeOnce(repetitions);
+    contest.AddTo(jobs, [&](std::size_t i) -> Row {
+      return {contest.timing(i).Median() / 1e6};
+    });
   }
 };
 
-// One kind of query, by BVHs and by others.
-template <typename Query>
+// One kind of query, by BVHs and by others: all queries in a row, and in turns
+// with the others if `is_in_turns`. The first `checked` are checked.
 class Search {
  public:
-  // All `queries` in a row, `in_a_row` of them a run, and `in_turns` of them in
-  // turns with the others. The first `checked` are checked.
-  Search(Run& run, std::string world, std::size_t objects,
-         const std::vector<Query>& queries, std::size_t checked,
-         std::size_t in_turns)
-      : run_(run),
-        world_(std::move(world)),
+  Search(Run& run, std::string world, std::size_t objects, std::size_t checked,
+         bool is_in_turns)
+      : world_(std::move(world)),
         objects_(objects),
-        queries_(queries),
         checked_(checked),
-        in_turns_(in_turns),
-        row_(run, "bvh/" + world_ + "/" + std::to_string(objects)),
-        turns_(run, "bvh/" + world_ + "/in turns") {}
+        is_in_turns_(is_in_turns),
+        row_(run, "bvh"),
+        turns_(run, "bvh, in turns") {}
 
-  // find(query) is timed. is_right(q, find(query)) tells whether that is the
-  // answer to query number q.
+  // find(q) answers query number q, `in_a_row` of them a run, and is_right(q,
+  // find(q)) tells whether that is the answer.
   template <typename Find, typename IsRight>
   void Add(const std::string& name, const std::string& target, Who who,
            std::size_t in_a_row, Find find, IsRight is_right) {
     const auto check = [this, find, is_right]() -> std::string {
       for (std::size_t q = 0; q < checked_; ++q) {
-        if (!is_right(q, find(queries_[q]))) return "a query has other answers";
+        if (!is_right(q, find(q))) return "a query has other answers";
       }
       return {};
     };
-    AddCases(name, target, who, in_a_row, check, [&](std::size_t count) {
-      return InTurn("", queries_, kTimedQueries, count,
-                    [find](const Query& query) { std::ignore = find(query); });
+    AddCases(name, target, who, in_a_row, check, [find](std::size_t count) {
+      return InTurn(kTimedQueries, count,
+                    [find](std::size_t q) { std::ignore = find(q); });
     });
   }
   // case_of(n) asks n queries in a run, and the next ones in the next run.
@@ -106,33 +100,30 @@ class Search {
   void AddCases(const std::string& name, const std::string& target, Who who,
                 std::size_t in_a_row, std::function<std::string()> check,
                 const CaseOf& case_of) {
+    const Row keys = {world_, objects_, name, target};
     Case c = case_of(in_a_row);
     c.check = std::move(check);
-    row_.Add(name, target, who, std::move(c));
-    if (in_turns_ != 0) turns_.Add(name, target, who, case_of(in_turns_));
+    row_.Add(keys, std::move(c), who);
+    if (is_in_turns_) turns_.Add(keys, case_of(kQueriesInTurn), who);
   }
 
   void Time(std::size_t repetitions, Table& table) {
-    row_.Time(repetitions);
+    row_.TimeOnce(repetitions);
     // So many that each has all queries.
-    if (in_turns_ != 0) {
-      turns_.Time(std::max(repetitions, kTimedQueries / in_turns_));
+    if (is_in_turns_) {
+      turns_.TimeOnce(std::max(repetitions, kTimedQueries / kQueriesInTurn));
     }
-    for (std::size_t i = 0; i < row_.size(); ++i) {
-      table.Add(
-          {world_, objects_, row_.name(i), row_.target(i),
-           row_.timing(i).Median() / 1e3, row_.OverFastest(i),
-           in_turns_ != 0 ? Cell(turns_.timing(i).Median() / 1e3) : Cell()});
-    }
+    row_.AddTo(table, [&](std::size_t i) -> Row {
+      return {row_.timing(i).Median() / 1e3, row_.OverFastest(i),
+              is_in_turns_ ? Cell(turns_.timing(i).Median() / 1e3) : Cell()};
+    });
   }
 
  private:
-  Run& run_;
   std::string world_;
   std::size_t objects_;
-  const std::vector<Query>& queries_;
   std::size_t checked_;
-  std::size_t in_turns_;
+  bool is_in_turns_;
   Contest row_;
   Contest turns_;
 };
@@ -141,7 +132,7 @@ class Search {
 // one call, too, unless only_tight.
 template <int kDims>
 void RunQueries(Run& run, const BoxSet<kDims>& set,
-                const std::vector<Target>& targets, Result& result,
+                const std::vector<Target>& targets, BvhTables& tables,
                 bool only_tight = false) {
   using Box = Aabb<kDims>;
   using Tree = Bvh<AabbView<kDims>>;
@@ -181,15 +172,14 @@ void RunQueries(Run& run, const BoxSet<kDims>& set,
   const auto of_query = [](std::size_t count) {
     return Fixed(static_cast<double>(count) / kTimedQueries, 1);
   };
-  result.queries.notes.push_back(
+  tables.queries.notes.push_back(
       set.name + ", " + Grouped(objects) + " boxes: a query finds " +
       of_query(sum) + " and visits " +
       of_query(read.node_blocks + read.leaves) + " blocks of 64.");
   Ids all_ids(sum + 1);
   std::vector<std::size_t> offsets(kTimedQueries + 1);
 
-  Search<Box> search(run, set.name, objects, set.queries, expected.size(),
-                     kQueriesInTurn);
+  Search search(run, set.name, objects, expected.size(), true);
   // Each row has a copy of the world, so that in turns with the others it finds
   // the caches as a tree finds them.
   const auto add_bvh = [&](const std::string& name, BuildQuality quality,
@@ -198,8 +188,9 @@ void RunQueries(Run& run, const BoxSet<kDims>& set,
         boxes.view(), BuildOptions{.quality = quality});
     search.Add(
         name + ", one query a call", NameOf(target), Who::kOurs, kTimedQueries,
-        [found_in, tree, target](const Box& query) {
-          return found_in(*tree, query, QueryOptions{.target = target});
+        [&set, found_in, tree, target](std::size_t q) {
+          return found_in(*tree, set.queries[q],
+                          QueryOptions{.target = target});
         },
         is_right);
     if (only_tight) return;
@@ -236,13 +227,12 @@ void RunQueries(Run& run, const BoxSet<kDims>& set,
     if (!only_tight) add_bvh("fast", BuildQuality::kFast, target);
   }
   Ids listed;  // by a competitor
-  for (const auto& competitor : Registered<BoxTree<kDims>>::All()) {
-    if (objects > competitor.most) continue;
+  for (const auto& competitor : Registered<BoxTree<kDims>>::AllFor(objects)) {
     search.Add(
         competitor.name, "", Who::kCompetitor, kTimedQueries,
-        [&listed, tree = std::shared_ptr<const BoxTree<kDims>>(
-                      competitor.make(set.boxes))](const Box& query) {
-          tree->Find(query, listed);
+        [&, tree = std::shared_ptr<const BoxTree<kDims>>(
+                competitor.make(set.boxes))](std::size_t q) {
+          tree->Find(set.queries[q], listed);
           return Found(listed);
         },
         is_right);
@@ -250,38 +240,35 @@ void RunQueries(Run& run, const BoxSet<kDims>& set,
   search.Time(objects < 1'000'000
                   ? run.effort.repetitions
                   : std::min<std::size_t>(run.effort.repetitions, 5),
-              result.queries);
+              tables.queries);
 }
 
 // What is built ends after its time, as its end is no part of a build.
-void RunBuilds(Run& run, const BoxSet<3>& set, Result& result) {
-  std::vector<std::shared_ptr<const void>> made;
-  std::vector<std::string> names;
-  std::vector<std::function<void()>> builds;
+void RunBuilds(Run& run, const BoxSet<3>& set, BvhTables& tables) {
+  std::shared_ptr<const void> made;
+  Contest contest(run, "bvh/build");
   const auto add = [&](const std::string& name, auto make) {
-    names.push_back(name);
-    builds.emplace_back([&made, make] { made.emplace_back(make()); });
+    Case c;
+    c.run = [&made, make] { made = std::shared_ptr<const void>(make()); };
+    c.after = [&made] { made = nullptr; };
+    contest.Add({name, set.boxes.size()}, std::move(c));
   };
   add("tight", [&] { return std::make_shared<const Bvh3>(set.boxes); });
   add("fast", [&] {
     return std::make_shared<const Bvh3>(
         set.boxes, BuildOptions{.quality = BuildQuality::kFast});
   });
-  for (const auto& competitor : Registered<BoxTree<3>>::All()) {
-    if (set.boxes.size() > competitor.most) continue;
-    add(competitor.name, [&] { return competitor.make(set.boxes); });
+  for (const auto& competitor :
+       Registered<BoxTree<3>>::AllFor(set.boxes.size())) {
+    add(competitor.name,
+        [&set, competitor] { return competitor.make(set.boxes); });
   }
-  const auto ns = TimeSteps(
-      std::min<std::size_t>(run.effort.repetitions, 5), 1,
-      [&](std::size_t) { made.clear(); }, builds);
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    result.jobs.Add({names[i], set.boxes.size(), RangeOf(ns[i]).median / 1e6});
-  }
+  tables.AddJobs(contest, std::min<std::size_t>(run.effort.repetitions, 5));
 }
 
 // Each is a BVH of its own, so that none finds what another has left in the
 // caches.
-void RunRefits(Run& run, const BoxSet<3>& set, Result& result) {
+void RunRefits(Run& run, const BoxSet<3>& set, BvhTables& tables) {
   constexpr std::size_t kPlanes = detail::kPlaneCount<Aabb3>;
   const std::span<const Aabb3> boxes = set.boxes;
   Bvh3 in_order(boxes);
@@ -303,46 +290,40 @@ void RunRefits(Run& run, const BoxSet<3>& set, Result& result) {
       if (tree == nullptr || tree->CostRatio() == 1.0) return {};
       return "the same bounds make another world";
     };
-    contest.Add(name, "", Who::kOurs, std::move(c));
+    contest.Add({name, boxes.size()}, std::move(c));
   };
   add("refit, in order", &in_order,
       [&] { in_order.RefitInOrder(bounds.view()); });
   add("refit, by id, of a list", &by_id, [&] { by_id.Refit(boxes); });
   add("copy of as many bytes", nullptr,
       [&] { std::memcpy(to.data(), from.data(), to.size()); });
-  contest.Time(std::max<std::size_t>(5, run.effort.repetitions));
-  result.AddJobs(contest, boxes.size());
+  tables.AddJobs(contest, std::max<std::size_t>(5, run.effort.repetitions));
 }
 
-// A case of a job, of which run() returns how many pairs there are.
-template <typename Run>
-Case CountedCase(std::size_t expected, Run run) {
-  Case c;
-  c.run = [run] { std::ignore = run(); };
-  c.check = [expected, run]() -> std::string {
-    const std::size_t count = run();
-    if (count == expected) return {};
-    return std::to_string(count) + " pairs, and not " +
-           std::to_string(expected);
-  };
-  return c;
-}
-
-void RunPairs(Run& run, const BoxSet<3>& set, Target target, Result& result) {
+void RunPairs(Run& run, const BoxSet<3>& set, Target target,
+              BvhTables& tables) {
   const PairOptions options{.target = target};
   Bvh3 world(set.boxes);
   std::vector<IdPair> pairs(Pairs(world, {}, options));
-  std::vector<IndexPair> found;
-  found.reserve(pairs.size());
   Contest contest(run, "bvh/pairs");
-  contest.Add("pairs", "", Who::kOurs, CountedCase(pairs.size(), [&] {
-                return Pairs(world, pairs, options);
-              }));
-  contest.Add("fast build and pairs", "", Who::kOurs,
-              CountedCase(pairs.size(), [&] {
-                return Pairs(Bvh3(set.boxes, {.quality = BuildQuality::kFast}),
-                             pairs, options);
-              }));
+  // run() returns how many pairs there are.
+  const auto add = [&](const std::string& name, std::size_t expected,
+                       auto job) {
+    Case c;
+    c.run = [job] { std::ignore = job(); };
+    c.check = [expected, job]() -> std::string {
+      const std::size_t count = job();
+      if (count == expected) return {};
+      return std::to_string(count) + " pairs, and not " +
+             std::to_string(expected);
+    };
+    contest.Add({name, set.boxes.size()}, std::move(c));
+  };
+  add("pairs", pairs.size(), [&] { return Pairs(world, pairs, options); });
+  add("fast build and pairs", pairs.size(), [&] {
+    return Pairs(Bvh3(set.boxes, {.quality = BuildQuality::kFast}), pairs,
+                 options);
+  });
   // The pairs of a few objects, and a query for each.
   Ids moved;
   for (std::size_t i = 0; i < set.boxes.size();
@@ -360,40 +341,36 @@ void RunPairs(Run& run, const BoxSet<3>& set, Target target, Result& result) {
     survivors += (is_moved[pair.a] ? 1 : 0) + (is_moved[pair.b] ? 1 : 0);
   }
   const std::string some = std::to_string(moved.size());
-  contest.Add("pairs of " + some + " objects", "", Who::kOurs,
-              CountedCase(of_moved, [&] {
-                return PairsOf(world, moved, pairs, options);
-              }));
+  add("pairs of " + some + " objects", of_moved,
+      [&] { return PairsOf(world, moved, pairs, options); });
   Ids ids(set.boxes.size());
-  contest.Add(some + " queries", "", Who::kOurs, CountedCase(survivors, [&] {
-                std::size_t count = 0;
-                for (std::uint32_t id : moved) {
-                  count +=
-                      Survivors(world, set.boxes[id], ids, {.target = target});
-                }
-                return count;
-              }));
-  for (const auto& competitor : Registered<PairFinder>::All()) {
-    if (set.boxes.size() > competitor.most) continue;
-    contest.Add(competitor.name + ", build", "", Who::kCompetitor,
-                CountedCase(0, [&] {
-                  std::ignore = competitor.make(set.boxes);
-                  return std::size_t{0};
-                }));
-    contest.Add(
-        competitor.name + ", pairs", "", Who::kCompetitor,
-        CountedCase(pairs.size(), [&found, finder = std::shared_ptr<PairFinder>(
-                                               competitor.make(set.boxes))] {
+  add(some + " queries", survivors, [&] {
+    std::size_t count = 0;
+    for (std::uint32_t id : moved) {
+      count += Survivors(world, set.boxes[id], ids, {.target = target});
+    }
+    return count;
+  });
+  std::vector<IndexPair> found;
+  found.reserve(pairs.size());
+  for (const auto& competitor :
+       Registered<PairFinder>::AllFor(set.boxes.size())) {
+    add(competitor.name + ", build", 0, [&set, competitor] {
+      std::ignore = competitor.make(set.boxes);
+      return std::size_t{0};
+    });
+    add(competitor.name + ", pairs", pairs.size(),
+        [&found,
+         finder = std::shared_ptr<PairFinder>(competitor.make(set.boxes))] {
           finder->Pairs(found);
           return found.size();
-        }));
+        });
   }
-  contest.Time(3);
-  result.AddJobs(contest, set.boxes.size());
+  tables.AddJobs(contest, 3);
 }
 
 void RunSearches(Run& run, const BoxSet<3>& set, Target target,
-                 Result& result) {
+                 BvhTables& tables) {
   constexpr std::size_t kChecked = 20;
   constexpr std::size_t kCount = 8;
   constexpr float kHalfWorld = 50.0f;
@@ -416,32 +393,31 @@ void RunSearches(Run& run, const BoxSet<3>& set, Target target,
   }
 
   Ids found(objects);
-  Search<Aabb3> counts(run, "counts of a tenth", objects, large, kChecked, 0);
+  Search counts(run, "counts of a tenth", objects, kChecked, false);
   const AabbWorld3 boxes(set.boxes);
   const auto is_count = [&](std::size_t q, std::size_t count) {
     return count == CountSurvivors(boxes, large[q]);
   };
   counts.Add(
       "counts", target_name, Who::kOurs, 2000,
-      [&](const Aabb3& query) {
-        return CountSurvivors(world, query, {.target = target});
+      [&](std::size_t q) {
+        return CountSurvivors(world, large[q], {.target = target});
       },
       is_count);
   counts.Add(
       "ids", target_name, Who::kOurs, 200,
-      [&](const Aabb3& query) {
-        return Survivors(world, query, found, {.target = target});
+      [&](std::size_t q) {
+        return Survivors(world, large[q], found, {.target = target});
       },
       is_count);
-  for (const auto& competitor : Registered<BoxTree<3>>::All()) {
-    if (objects > competitor.most) continue;
+  for (const auto& competitor : Registered<BoxTree<3>>::AllFor(objects)) {
     const std::shared_ptr<const BoxTree<3>> tree = competitor.make(set.boxes);
     if (!tree->CanCount()) continue;
     counts.Add(
         competitor.name, "", Who::kCompetitor, 5,
-        [tree](const Aabb3& query) { return tree->Count(query); }, is_count);
+        [&, tree](std::size_t q) { return tree->Count(large[q]); }, is_count);
   }
-  counts.Time(run.effort.repetitions, result.queries);
+  counts.Time(run.effort.repetitions, tables.queries);
 
   // Many boxes are equally far away, so the answer is a distance: of the last.
   const auto square_of = [&](const Point<3>& point, std::uint32_t id) {
@@ -453,7 +429,7 @@ void RunSearches(Run& run, const BoxSet<3>& set, Target target,
     }
     return square;
   };
-  Search<Point<3>> nearest(run, "nearest 8", objects, points, kChecked, 0);
+  Search nearest(run, "nearest 8", objects, kChecked, false);
   const auto is_nearest = [&](std::size_t q,
                               std::span<const std::uint32_t> ids) {
     std::vector<double> squares;
@@ -475,23 +451,23 @@ void RunSearches(Run& run, const BoxSet<3>& set, Target target,
   std::array<float, kCount> distances;
   nearest.Add(
       "nearest", target_name, Who::kOurs, 2000,
-      [&](const Point<3>& point) {
+      [&](std::size_t q) {
         constexpr float kFar = std::numeric_limits<float>::infinity();
-        return std::span<const std::uint32_t>(ids).first(
-            KNearest(world, point, ids, distances, kFar, {.target = target}));
+        return std::span<const std::uint32_t>(ids).first(KNearest(
+            world, points[q], ids, distances, kFar, {.target = target}));
       },
       is_nearest);
   for (const auto& competitor : Registered<NearestTree>::All()) {
     nearest.Add(
         competitor.name, "", Who::kCompetitor, 200,
-        [&found, tree = std::shared_ptr<NearestTree>(
-                     competitor.make(set.boxes))](const Point<3>& point) {
-          tree->Nearest(point, kCount, found);
+        [&, tree = std::shared_ptr<NearestTree>(competitor.make(set.boxes))](
+            std::size_t q) {
+          tree->Nearest(points[q], kCount, found);
           return std::span<const std::uint32_t>(found);
         },
         is_nearest);
   }
-  nearest.Time(run.effort.repetitions, result.queries);
+  nearest.Time(run.effort.repetitions, tables.queries);
 }
 
 bool HasMemoryFor(std::size_t objects) {
@@ -534,12 +510,12 @@ Tables RunBvh(Run& run) {
   for (Target target : run.WidthTargets()) {
     if (target.name() == "AVX2" && target != best) targets.push_back(target);
   }
-  Result result;
+  BvhTables tables;
   std::size_t most = run.is_quick() ? 100'000 : 1'000'000;
   if (run.options.objects != 0) most = std::min(most, run.options.objects);
   if (most > 100'000 && !HasMemoryFor(most)) {
     most = 100'000;
-    result.queries.notes.push_back(
+    tables.queries.notes.push_back(
         "Not measured: more than 100 000 boxes, which do not fit the free "
         "memory.");
   }
@@ -550,7 +526,7 @@ Tables RunBvh(Run& run) {
   Parts parts;
   for (std::size_t objects : UpTo(most, {1000, 10'000, 100'000, 1'000'000})) {
     parts.emplace_back(
-        [&, objects] { RunQueries(run, uniform(objects), targets, result); });
+        [&, objects] { RunQueries(run, uniform(objects), targets, tables); });
   }
   // Of clusters all ways, and more objects. Of a quick run, the first three
   // with few objects.
@@ -566,34 +542,34 @@ Tables RunBvh(Run& run) {
       parts.emplace_back([&, objects, is_first] {
         BoxSet<3> set = world.make(objects, kSide3D, seed);
         set.name = world.name;
-        RunQueries(run, set, is_first ? std::vector{best} : targets, result,
+        RunQueries(run, set, is_first ? std::vector{best} : targets, tables,
                    !is_first);
       });
     }
   }
   if (const std::string why = WhyNot(run.input()); why.empty()) {
     parts.emplace_back([&] {
-      RunQueries(run, BoxesOf("file", *run.input()), {best}, result);
+      RunQueries(run, BoxesOf("file", *run.input()), {best}, tables);
     });
   } else {
-    result.queries.notes.push_back("Not measured: the boxes of a file: " + why +
+    tables.queries.notes.push_back("Not measured: the boxes of a file: " + why +
                                    ".");
   }
   for (std::size_t objects : UpTo(most, {100'000, 1'000'000})) {
     parts.emplace_back([&, objects] {
       RunQueries(run, MakeUniformBoxes<2>("2D", objects, kSide2D, seed), {best},
-                 result);
+                 tables);
     });
   }
-  parts.emplace_back([&] { RunBuilds(run, uniform(most), result); });
-  parts.emplace_back([&] { RunRefits(run, uniform(most), result); });
+  parts.emplace_back([&] { RunBuilds(run, uniform(most), tables); });
+  parts.emplace_back([&] { RunRefits(run, uniform(most), tables); });
   for (std::size_t objects : UpTo(most, {100'000, 1'000'000})) {
     parts.emplace_back(
-        [&, objects] { RunPairs(run, uniform(objects), best, result); });
+        [&, objects] { RunPairs(run, uniform(objects), best, tables); });
   }
-  parts.emplace_back([&] { RunSearches(run, uniform(most), best, result); });
+  parts.emplace_back([&] { RunSearches(run, uniform(most), best, tables); });
   RunParts(run, parts);
-  return {result.queries, result.jobs};
+  return {tables.queries, tables.jobs};
 }
 
 }  // namespace halfspace::bench

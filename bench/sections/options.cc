@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "bench/base/text.h"
-#include "bench/sections/sections.h"
+#include "bench/sections/run.h"
 #include "halfspace/targets.h"
 #include "halfspace/version.h"
 

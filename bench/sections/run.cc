@@ -5,9 +5,10 @@
 #include <utility>
 
 #include "bench/base/text.h"
+#include "bench/baselines/triangles.h"
 #include "bench/measure/groups.h"
-#include "bench/sections/sections.h"
-#include "bench/worlds/scene.h"
+#include "bench/worlds/random.h"
+#include "bench/worlds/workload.h"
 
 namespace halfspace::bench {
 namespace {
@@ -36,6 +37,42 @@ Effort EffortOf(const BenchOptions& options) {
                                                    : 0.015;
   if (options.repetitions != 0) effort.repetitions = options.repetitions;
   return effort;
+}
+
+// Of two triangles around each other, one test at a time.
+ExactTest MeasureExactTest(Run& run) {
+  // So many that no predictor learns them, around each other as candidates are.
+  constexpr float kBetween = 0.75f;
+  Random random(run.options.seed);
+  const auto triangle = [&random] {
+    Vector3 at;
+    for (float& x : at) x = kBetween * random.Signed();
+    Triangle corners;
+    for (Vector3& corner : corners) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        corner[k] = at[k] + 0.5f * random.Signed();
+      }
+    }
+    return corners;
+  };
+  std::vector<std::pair<Triangle, Triangle>> pairs;
+  for (std::size_t i = 0; i < kTimedQueries; ++i) {
+    pairs.emplace_back(triangle(), triangle());
+  }
+  std::size_t touching = 0;
+  Case c = InTurn(pairs.size(), pairs.size(), [&](std::size_t i) {
+    touching += Touch(pairs[i].first, pairs[i].second) ? 1 : 0;
+  });
+  c.name = "exact/triangle-triangle";
+  c.check = [&pairs]() -> std::string {
+    for (const auto& [a, b] : pairs) {
+      if (Touch(a, b) != Touch(b, a)) return "a pair touches one way only";
+    }
+    return {};
+  };
+  const Ratio ns = SpreadOf(run.Time({c}).front());
+  KeepResult(static_cast<std::uint32_t>(touching));
+  return {"triangle-triangle", ns};
 }
 
 }  // namespace

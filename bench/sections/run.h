@@ -5,14 +5,15 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bench/base/progress.h"
-#include "bench/measure/clock_probe.h"
-#include "bench/measure/load_probe.h"
 #include "bench/measure/machine.h"
 #include "bench/measure/measure.h"
+#include "bench/measure/probes.h"
 #include "bench/report/table.h"
 #include "bench/sections/options.h"
 #include "bench/sections/verdict.h"
@@ -113,8 +114,34 @@ class Run {
   std::unique_ptr<Verdict> verdict_;
 };
 
-// Of two triangles around each other, one test at a time.
-ExactTest MeasureExactTest(Run& run);
+// The list of sections of a program. A section measures or counts, and returns
+// tables.
+//
+// Flags: the page has the section; it measures the scene, unless there is a
+// file; or the scene in any case; it reads what other sections leave in Run; it
+// reads the verdict.
+inline constexpr unsigned kPage = 1;
+inline constexpr unsigned kScene = 2;
+inline constexpr unsigned kPaperScene = 4;
+inline constexpr unsigned kLast = 8;
+inline constexpr unsigned kVerdict = 16;
+
+struct Section {
+  std::string_view name;
+  Tables (*run)(Run& run);
+  double weight;  // its share of the progress line
+  unsigned flags;
+};
+
+// A program is this library and its list of sections.
+struct Program {
+  const char* name;
+  const char* what;  // for --help
+  std::span<const Section> sections;
+};
+
+// The one that is linked: its sections.cc defines it.
+const Program& ThisProgram();
 
 }  // namespace halfspace::bench
 

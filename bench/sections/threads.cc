@@ -13,7 +13,6 @@
 #include "bench/measure/machine.h"
 #include "bench/measure/team.h"
 #include "bench/sections/run.h"
-#include "bench/sections/sections.h"
 #include "halfspace/reject_many.h"
 
 namespace halfspace::bench {

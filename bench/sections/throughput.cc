@@ -3,7 +3,6 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <numeric>
 #include <span>
 #include <string>
@@ -12,9 +11,8 @@
 
 #include "bench/base/shape.h"
 #include "bench/base/text.h"
-#include "bench/sections/run.h"
-#include "bench/sections/sections.h"
-#include "bench/worlds/scene.h"
+#include "bench/sections/contest.h"
+#include "bench/worlds/workload.h"
 #include "halfspace/quantized.h"
 #include "halfspace/reject_many.h"
 
@@ -43,95 +41,80 @@ struct Scene {
   }
 };
 
-// A call for all queries, and how many survivors it found of each.
-struct Call {
-  std::string name;
-  ShapeKind shape;
-  std::function<void(Scene& scene, Target target)> run;
-  std::function<void(Scene& scene)> count = [](Scene&) {};
-};
-
-Call MasksCall(ShapeKind shape) {
-  return {std::string(NameOf(shape)) + " flat, masks of many", shape,
-          [shape](Scene& scene, Target target) {
-            scene.queries.With(shape, scene.objects.view(),
-                               [&](const auto& view, const auto& queries) {
-                                 SurvivorMasks(view, queries, scene.masks,
-                                               {.schedule = Schedule::kFlat,
-                                                .target = target});
-                               });
-          },
-          [](Scene& scene) {
-            const std::size_t words = MaskWords(scene.objects.size());
-            for (std::size_t q = 0; q < scene.counts.size(); ++q) {
-              scene.counts[q] = 0;
-              for (std::size_t w = 0; w < words; ++w) {
-                scene.counts[q] += static_cast<std::size_t>(
-                    std::popcount(scene.masks[q * words + w]));
-              }
+// Calls for all queries, on one target.
+void AddCalls(Contest& contest, Scene& scene, Target target) {
+  // count() makes the counts of what call() has written.
+  const auto add = [&](std::string name, ShapeKind shape, auto call,
+                       auto count) {
+    Case c = CaseOfObjects(scene.queries.size() * scene.objects.size(), call);
+    c.check = [&scene, shape, call, count]() -> std::string {
+      std::fill(scene.counts.begin(), scene.counts.end(), 99u);
+      call();
+      count();
+      return scene.counts == scene.CountsOf(shape)
+                 ? ""
+                 : "the survivors are not as many as a flat scan finds";
+    };
+    contest.Add({std::move(name), scene.name, NameOf(target),
+                 scene.objects.size(), scene.queries.size()},
+                std::move(c));
+  };
+  for (ShapeKind shape : kShapes) {
+    add(
+        std::string(NameOf(shape)) + " flat, masks of many", shape,
+        [&scene, shape, target] {
+          scene.queries.With(
+              shape, scene.objects.view(),
+              [&](const auto& view, const auto& queries) {
+                SurvivorMasks(view, queries, scene.masks,
+                              {.schedule = Schedule::kFlat, .target = target});
+              });
+        },
+        [&scene] {
+          const std::size_t words = MaskWords(scene.objects.size());
+          for (std::size_t q = 0; q < scene.counts.size(); ++q) {
+            scene.counts[q] = 0;
+            for (std::size_t w = 0; w < words; ++w) {
+              scene.counts[q] += static_cast<std::size_t>(
+                  std::popcount(scene.masks[q * words + w]));
             }
-          }};
-}
-
-// Every surviving pair. world_of(scene) is what it scans.
-template <typename WorldOf>
-Call PairsCall(const char* name, WorldOf world_of) {
-  return {name, ShapeKind::kAabo,
-          [world_of](Scene& scene, Target target) {
-            const std::size_t pairs = SurvivorPairs(
-                world_of(scene), scene.queries.aabos(),
-                std::span(scene.of_queries), scene.ids, {.target = target});
-            KeepResult(static_cast<std::uint32_t>(pairs));
-          },
-          [](Scene& scene) {
-            std::fill(scene.counts.begin(), scene.counts.end(), 0u);
-            for (std::uint32_t query : scene.of_queries) ++scene.counts[query];
-          }};
-}
-
-std::vector<Call> Calls() {
-  std::vector<Call> calls;
-  calls.reserve(std::size(kShapes));
-  for (ShapeKind shape : kShapes) calls.push_back(MasksCall(shape));
-  calls.push_back({"AABO uint8 refined, counts of many", ShapeKind::kAabo,
-                   [](Scene& scene, Target target) {
-                     SurvivorCounts(scene.quantized, scene.queries.aabos(),
-                                    scene.counts, {.target = target});
-                   }});
-  calls.push_back({"simplex, counts of many", ShapeKind::kSimplex,
-                   [](Scene& scene, Target target) {
-                     SurvivorCounts(scene.objects.view().simplex(),
-                                    scene.queries.simplices(), scene.counts,
-                                    {.target = target});
-                   }});
-  calls.push_back(PairsCall(
-      "AABO uint8 refined, pairs",
-      [](const Scene& scene) -> const auto& { return scene.quantized; }));
-  calls.push_back(PairsCall("AABO floats, pairs", [](const Scene& scene) {
-    return scene.objects.view();
-  }));
-  return calls;
-}
-
-Case CaseOf(Scene& scene, const Call& call, Target target) {
-  const std::size_t pairs = scene.queries.size() * scene.objects.size();
-  const std::size_t rounds = std::max<std::size_t>(1, kObjectsPerRun / pairs);
-  Case c;
-  c.name = "throughput/" + scene.name + "/" + NameOf(target) + "/" + call.name;
-  c.group = "throughput";
-  c.items = static_cast<double>(rounds * pairs);
-  c.run = [&scene, call, target, rounds] {
-    for (std::size_t i = 0; i < rounds; ++i) call.run(scene, target);
+          }
+        });
+  }
+  add(
+      "AABO uint8 refined, counts of many", ShapeKind::kAabo,
+      [&scene, target] {
+        SurvivorCounts(scene.quantized, scene.queries.aabos(), scene.counts,
+                       {.target = target});
+      },
+      [] {});
+  add(
+      "simplex, counts of many", ShapeKind::kSimplex,
+      [&scene, target] {
+        SurvivorCounts(scene.objects.view().simplex(),
+                       scene.queries.simplices(), scene.counts,
+                       {.target = target});
+      },
+      [] {});
+  const auto add_pairs = [&](const char* name, auto world) {
+    add(
+        name, ShapeKind::kAabo,
+        [&scene, target, world] {
+          const std::size_t pairs = SurvivorPairs(
+              world(), scene.queries.aabos(), std::span(scene.of_queries),
+              scene.ids, {.target = target});
+          KeepResult(static_cast<std::uint32_t>(pairs));
+        },
+        [&scene] {
+          std::fill(scene.counts.begin(), scene.counts.end(), 0u);
+          for (std::uint32_t query : scene.of_queries) ++scene.counts[query];
+        });
   };
-  c.check = [&scene, call, target]() -> std::string {
-    std::fill(scene.counts.begin(), scene.counts.end(), 99u);
-    call.run(scene, target);
-    call.count(scene);
-    return scene.counts == scene.CountsOf(call.shape)
-               ? ""
-               : "the survivors are not as many as a flat scan finds";
-  };
-  return c;
+  add_pairs(
+      "AABO uint8 refined, pairs", [&scene]() -> const auto& {
+        return scene.quantized;
+      });
+  add_pairs("AABO floats, pairs", [&scene] { return scene.objects.view(); });
 }
 
 }  // namespace
@@ -178,16 +161,12 @@ Tables RunThroughput(Run& run) {
         std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
     scene.of_queries.resize(scene.ids.size());
     for (Target target : run.WidthTargets()) {
-      std::vector<Case> cases;
-      for (const Call& call : Calls()) {
-        cases.push_back(CaseOf(scene, call, target));
-      }
-      const std::vector<Timing> timings = run.Time(cases, effort);
-      for (std::size_t i = 0; i < timings.size(); ++i) {
-        table.Add({Calls()[i].name, scene.name, NameOf(target),
-                   scene.objects.size(), scene.queries.size(),
-                   SpreadOf(timings[i])});
-      }
+      Contest contest(run, "throughput");
+      AddCalls(contest, scene, target);
+      contest.Time(effort);
+      contest.AddTo(table, [&](std::size_t i) -> Row {
+        return {SpreadOf(contest.timing(i))};
+      });
     }
   }
   return {table};

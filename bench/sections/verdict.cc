@@ -8,12 +8,10 @@
 
 #include "bench/base/text.h"
 #include "bench/inner/target_loops.h"
-#include "bench/measure/counts.h"
 #include "bench/measure/groups.h"
 #include "bench/report/table.h"
-#include "bench/sections/run.h"
-#include "bench/sections/sections.h"
-#include "bench/worlds/scene.h"
+#include "bench/sections/contest.h"
+#include "bench/worlds/workload.h"
 
 namespace halfspace::bench {
 namespace {
@@ -420,23 +418,22 @@ Verdict::Place Verdict::MakePlace(Run& run, double percent) const {
 
 Verdict::Times Verdict::TimePlace(Run& run, Place& place, std::size_t column,
                                   const Effort& effort) const {
-  std::vector<Case> cases;
+  Contest contest(run, "verdict");
   const auto& [column_name, target, contenders] = columns_[column];
   for (const auto& [shape, schedule, how] : contenders) {
-    cases.push_back(place.set->LibraryCase(
-        "verdict/" + column_name + "/" + NameOf(shape) + "/" + schedule, shape,
-        {.schedule = how, .target = target}));
+    Case c = place.set->LibraryCase(shape, {.schedule = how, .target = target});
     // Other groups differ in their places in memory alone.
-    if (groups_ != 0) cases.back().check = nullptr;
+    if (groups_ != 0) c.check = nullptr;
+    contest.Add({column_name, NameOf(shape), schedule}, std::move(c));
   }
-  const std::vector<Timing> timings = run.Time(cases, effort);
+  contest.Time(effort);
   Times times;
   std::vector<std::vector<double>> simplex;
   std::vector<std::vector<double>> box;
-  for (std::size_t c = 0; c < cases.size(); ++c) {
-    times.ns.push_back(timings[c].Median());
+  for (std::size_t c = 0; c < contest.size(); ++c) {
+    times.ns.push_back(contest.timing(c).Median());
     (contenders[c].shape == ShapeKind::kSimplex ? simplex : box)
-        .push_back(timings[c].samples);
+        .push_back(contest.timing(c).samples);
   }
   times.simplex = BestTime(simplex);
   times.box = BestTime(box);

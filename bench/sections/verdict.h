@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "bench/base/shape.h"
-#include "bench/measure/crossing.h"
+#include "bench/measure/groups.h"
 #include "bench/measure/measure.h"
 #include "bench/report/table.h"
 #include "bench/worlds/working_set.h"

@@ -66,8 +66,6 @@ BodyScene<kDims>::BodyScene(BodyKind kind, std::size_t bodies,
   float side = std::pow(count * recipe.space[kDims - 2], 1.0f / kDims);
   if (is_pile) side = std::ceil(side);
   const auto row = static_cast<std::size_t>(side);
-  world_.min = {};
-  for (float& x : world_.max) x = side;
   for (std::size_t i = 0; i < bodies; ++i) {
     const float length = recipe.side(random);
     const float speed = recipe.speed(random);
@@ -118,16 +116,6 @@ std::vector<Aabb<kDims>> BodyScene<kDims>::At(const Ids& ids,
     boxes.push_back(box);
   }
   return boxes;
-}
-
-template <int kDims>
-Aabb<kDims> BodyScene<kDims>::AnyBox(float side, Random& random) const {
-  Box box;
-  for (std::size_t k = 0; k < kDims; ++k) {
-    box.min[k] = world_.max[k] * Uniform(random) - 0.5f * side;
-    box.max[k] = box.min[k] + side;
-  }
-  return box;
 }
 
 template class BodyScene<2>;

@@ -41,11 +41,8 @@ class BodyScene {
   Ids Some(std::size_t percent) const;
   // The boxes of these bodies in a state.
   std::vector<Box> At(const Ids& ids, std::size_t state) const;
-  // A box of that side somewhere in the world.
-  Box AnyBox(float side, Random& random) const;
 
  private:
-  Box world_;
   std::vector<Box> boxes_;
   std::vector<Point<kDims>> velocities_;  // of a frame
   std::uint64_t seed_;

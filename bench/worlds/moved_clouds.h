@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "bench/worlds/random.h"
-#include "bench/worlds/scene.h"
+#include "bench/worlds/workload.h"
 
 namespace halfspace::bench {
 

@@ -97,48 +97,37 @@ std::string WorkingSet::Check(ShapeKind shape, const WriteMask& write) {
   return {};
 }
 
-Case WorkingSet::MakeCase(std::string name, ShapeKind shape,
-                          const WriteMask& write) {
-  Case c = CaseOfQueries(std::move(name), queries_.size(), objects(), write);
+Case WorkingSet::MakeCase(ShapeKind shape, const WriteMask& write) {
+  Case c = CaseOfQueries(queries_.size(), objects(), write);
   c.items *= static_cast<double>(objects());
   c.check = [this, shape, write] { return Check(shape, write); };
   return c;
 }
 
-Case WorkingSet::LibraryCase(std::string name, ShapeKind shape,
-                             const Options& options) {
-  return MakeCase(std::move(name), shape,
-                  [this, shape, options](std::size_t q) {
-                    WithShape(shape, view_, queries_[q],
-                              [&](const auto& view, const auto& query) {
-                                RejectMask(view, query, mask_, options);
-                              });
-                  });
+Case WorkingSet::LibraryCase(ShapeKind shape, const Options& options) {
+  return MakeCase(shape, [this, shape, options](std::size_t q) {
+    WithShape(shape, view_, queries_[q],
+              [&](const auto& view, const auto& query) {
+                RejectMask(view, query, mask_, options);
+              });
+  });
 }
 
-Case WorkingSet::LoopCase(std::string name, ShapeKind shape, const Scan& scan) {
-  return MakeCase(
-      std::move(name), shape,
-      [this, scan, shape, planes = PlanesOf(shape, view_)](std::size_t q) {
-        const std::vector<float> query = QueryOf(shape, queries_[q]);
-        scan(planes.data(), query.data(), objects(), mask_.data());
-      });
+Case WorkingSet::LoopCase(ShapeKind shape, const Scan& scan) {
+  return MakeCase(shape, [this, scan, shape,
+                          planes = PlanesOf(shape, view_)](std::size_t q) {
+    const std::vector<float> query = QueryOf(shape, queries_[q]);
+    scan(planes.data(), query.data(), objects(), mask_.data());
+  });
 }
 
-Case WorkingSet::ReadCase(std::string name, ShapeKind shape, std::size_t turn,
+Case WorkingSet::ReadCase(ShapeKind shape, std::size_t turn,
                           Target target) const {
-  const std::size_t rounds =
-      std::max<std::size_t>(1, kObjectsPerRun / objects());
-  Case c;
-  c.name = std::move(name);
-  c.items = static_cast<double>(objects() * rounds);
-  c.run = [read = LoopsFor(target).read, turn, rounds,
-           planes = PlanesOf(shape, view_), bytes = objects() * sizeof(float)] {
-    for (std::size_t i = 0; i < rounds; ++i) {
-      KeepResult(read(turn, planes.data(), planes.size(), bytes));
-    }
-  };
-  return c;
+  return CaseOfObjects(objects(), [read = LoopsFor(target).read, turn,
+                                   planes = PlanesOf(shape, view_),
+                                   bytes = objects() * sizeof(float)] {
+    KeepResult(read(turn, planes.data(), planes.size(), bytes));
+  });
 }
 
 }  // namespace halfspace::bench

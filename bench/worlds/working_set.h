@@ -29,20 +29,21 @@ inline constexpr std::size_t kSetStep = 4096;
 // A case that calls test(q) for one of `queries` queries after the other, each
 // over so many objects. It is timed per call.
 template <typename Test>
-Case CaseOfQueries(std::string name, std::size_t queries, std::size_t objects,
-                   Test test) {
-  const std::size_t calls =
-      std::clamp<std::size_t>(kObjectsPerRun / objects, 1, queries);
+Case CaseOfQueries(std::size_t queries, std::size_t objects, Test test) {
+  return InTurn(queries,
+                std::clamp<std::size_t>(kObjectsPerRun / objects, 1, queries),
+                std::move(test));
+}
+
+// A case that calls once(), which goes through so many objects, until a run has
+// gone through enough. It is timed per object.
+template <typename Once>
+Case CaseOfObjects(std::size_t objects, Once once) {
+  const std::size_t rounds = std::max<std::size_t>(1, kObjectsPerRun / objects);
   Case c;
-  c.name = std::move(name);
-  c.items = static_cast<double>(calls);
-  c.runs_of_all = (queries + calls - 1) / calls;
-  c.run = [test = std::move(test), queries, calls,
-           next = std::size_t{0}]() mutable {
-    for (std::size_t i = 0; i < calls; ++i) {
-      test(next);
-      next = next + 1 == queries ? 0 : next + 1;
-    }
+  c.items = static_cast<double>(objects * rounds);
+  c.run = [rounds, once = std::move(once)]() mutable {
+    for (std::size_t i = 0; i < rounds; ++i) once();
   };
   return c;
 }
@@ -73,7 +74,6 @@ class WorkingSet {
   const AaboView3& view() const { return view_; }
   std::size_t objects() const { return view_.size; }
   const std::vector<Aabo3>& queries() const { return queries_; }
-  std::size_t checked_queries() const { return checked_queries_; }
   std::vector<std::uint64_t>& mask() { return mask_; }
 
   // Empty if `write`, called for each query that has been answered by the
@@ -82,15 +82,15 @@ class WorkingSet {
   std::string Check(ShapeKind shape, const WriteMask& write);
 
   // A case that calls `write` for one query after the other, of all that are to
-  // be timed. It is named `name` and timed per object.
-  Case MakeCase(std::string name, ShapeKind shape, const WriteMask& write);
+  // be timed. It is timed per object.
+  Case MakeCase(ShapeKind shape, const WriteMask& write);
 
   // The case of test(query, mask), which writes the survivor mask. It is timed
   // per call, without a function pointer.
   template <typename Test>
-  Case CallCase(std::string name, ShapeKind shape, const Test& test) {
+  Case CallCase(ShapeKind shape, const Test& test) {
     const auto write = [this, test](std::size_t q) { test(q, mask_.data()); };
-    Case c = CaseOfQueries(std::move(name), queries_.size(), objects(), write);
+    Case c = CaseOfQueries(queries_.size(), objects(), write);
     c.check = [this, shape, write] {
       return Check(shape, [this, write](std::size_t q) {
         write(q);
@@ -101,19 +101,18 @@ class WorkingSet {
   }
 
   // The case of a call of the library.
-  Case LibraryCase(std::string name, ShapeKind shape, const Options& options);
+  Case LibraryCase(ShapeKind shape, const Options& options);
 
   // The case of scan(planes, query, size, mask) over the planes of the shape,
   // which writes the reject mask.
   using Scan =
       std::function<void(const float* const* planes, const float* query,
                          std::size_t size, std::uint64_t* mask)>;
-  Case LoopCase(std::string name, ShapeKind shape, const Scan& scan);
+  Case LoopCase(ShapeKind shape, const Scan& scan);
 
   // Reading the shape's planes, `turn` bytes of each in turn, with the vectors
   // of a target.
-  Case ReadCase(std::string name, ShapeKind shape, std::size_t turn,
-                Target target) const;
+  Case ReadCase(ShapeKind shape, std::size_t turn, Target target) const;
 
  private:
   std::string name_;

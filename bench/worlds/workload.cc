@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "bench/worlds/moved_clouds.h"
 #include "bench/worlds/random.h"
 #include "halfspace/fit.h"
 
@@ -20,6 +21,11 @@ std::vector<Aabo3> SomeOf(const AaboWorld3& objects, std::size_t count) {
     some.push_back(objects.Get(i));
   }
   return some;
+}
+
+Aabo3 BoundNext(MovedClouds<3>& clouds) {
+  const auto points = clouds.Next();
+  return BoundPoints(Points3{points.data(), points.size() / 3});
 }
 
 }  // namespace
@@ -130,6 +136,29 @@ Workload WorkloadOfBoxes(std::string name, const std::vector<Aabb3>& boxes,
   for (const Aabb3& box : boxes) workload.objects.Push(BoundAabb(box));
   QueryWith(workload, workload.objects, queries);
   return workload;
+}
+
+Workload MakeScene(std::size_t objects, std::size_t queries, std::uint64_t seed,
+                   float radius) {
+  MovedClouds<3> clouds(seed);
+  clouds.Scale(radius);
+  Workload scene{"scene", {}, {}};
+  scene.objects.Reserve(objects);
+  for (std::size_t i = 0; i < objects; ++i) {
+    scene.objects.Push(BoundNext(clouds));
+  }
+  for (std::size_t i = 0; i < queries; ++i) {
+    scene.queries.push_back(BoundNext(clouds));
+  }
+  return scene;
+}
+
+Workload SceneOfSize(double share, std::size_t objects, std::uint64_t seed,
+                     std::size_t queries) {
+  Workload scene = MakeScene(objects, queries, seed,
+                             static_cast<float>(share) * kSceneSide / 2);
+  scene.timed_queries = scene.queries;
+  return scene;
 }
 
 }  // namespace halfspace::bench

@@ -11,7 +11,7 @@
 #include <string>
 #include <string_view>
 
-#include "bench/input/input_file.h"
+#include "bench/input/text_lines.h"
 #include "tests/tools/temp_file.h"
 
 namespace halfspace::bench {

@@ -14,8 +14,6 @@
 #include <utility>
 #include <vector>
 
-#include "bench/measure/counts.h"
-#include "bench/paper/bounding_sphere.h"
 #include "bench/paper/loops.h"
 #include "bench/paper/model.h"
 #include "bench/paper/points.h"
@@ -23,8 +21,8 @@
 #include "bench/paper/volume_set.h"
 #include "bench/paper/work_count.h"
 #include "bench/worlds/random.h"
-#include "bench/worlds/scene.h"
 #include "bench/worlds/working_set.h"
+#include "bench/worlds/workload.h"
 #include "halfspace/fit.h"
 #include "tests/library/support/environment.h"
 
@@ -460,7 +458,7 @@ TEST(PaperLoopsTest, EveryWayAndWidthAgreesWithTheReference) {
               const auto loop = [=](auto... of) {
                 scan(shape, way, planes, of...);
               };
-              EXPECT_EQ(set.LoopCase("", shape, loop).check(), "")
+              EXPECT_EQ(set.LoopCase(shape, loop).check(), "")
                   << target.name() << ", " << NameOf(way) << ", "
                   << NameOf(shape) << ", " << planes;
             }

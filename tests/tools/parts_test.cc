@@ -14,9 +14,9 @@
 
 #include "bench/base/text.h"
 #include "bench/inner/target_loops.h"
-#include "bench/measure/load_probe.h"
 #include "bench/measure/machine.h"
 #include "bench/measure/measure.h"
+#include "bench/measure/probes.h"
 #include "bench/measure/team.h"
 #include "bench/worlds/working_set.h"
 #include "halfspace/targets.h"

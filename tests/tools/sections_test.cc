@@ -1,7 +1,5 @@
 // Small runs: what the page begins with. page_test.py looks at a run of all
 // sections.
-#include "bench/sections/sections.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <string>
 
 #include "bench/app/run.h"
+#include "bench/sections/run.h"
 
 namespace halfspace::bench {
 namespace {

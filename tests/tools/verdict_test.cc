@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "bench/measure/crossing.h"
 #include "bench/measure/groups.h"
 
 namespace halfspace::bench {
