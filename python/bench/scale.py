@@ -8,6 +8,7 @@ Needs the module `halfspace`, and python3-distributed. docs/scale.md explains th
 """
 
 import argparse
+import math
 import os
 import sys
 import tempfile
@@ -61,6 +62,12 @@ def incoming(client):
     return sum(client.run(
         lambda dask_worker: sum(entry["total"] for entry in
                                 dask_worker.transfer_incoming_log)).values())
+
+
+def built(source):
+    tree = hd.BVH(source, PARTITIONS).persist()
+    distributed.wait(tree)
+    return tree
 
 
 def drain(batches):
@@ -123,17 +130,27 @@ def costs(world, objects, probes, side):
     rows = objects // CHUNKS
     read, boxes = seconds(lambda: world(0, rows, side))
     splits = hd._split_at_medians(hd._centers(boxes[:1000]), np.ones(1000), PARTITIONS)
+    plan = hd._Plan(splits, [0])
 
     def distribute(routed):
         return [hd._piece(routed, p) for p in range(PARTITIONS)]
 
-    sent, pieces = seconds(lambda: distribute(hd._distribute(boxes, 0, splits)))
+    sent, pieces = seconds(lambda: distribute(hd._distribute(boxes, 0, "", plan)))
     joined, _ = seconds(lambda: np.concatenate([boxes for boxes, _ in pieces]))
-    top = hs.BVH(np.array([hs.BVH(boxes).bounds for boxes, _ in pieces]))
+    top = hd._Top.of([(hs.BVH(boxes).bounds, len(boxes), 0) for boxes, _ in pieces])
     probe = world(1000, probes // CHUNKS, side)
-    routed, _ = seconds(lambda: distribute(hd._route(probe, 0, top)))
+    routed, _ = seconds(lambda: distribute(hd._route(probe, 0, "", top)))
     return {"read": read / rows, "distribute": (sent + joined) / rows,
             "route": routed / len(probe)}
+
+
+def sends(chunks, partitions):
+    """The tasks that send rows of chunks to partitions."""
+    if partitions <= hd._ONE_STAGE:
+        return chunks * partitions
+    step = math.isqrt(partitions - 1) + 1
+    groups, blocks = -(-partitions // step), -(-chunks // step)
+    return groups * (chunks + blocks) + blocks * partitions
 
 
 def model(run, objects, probes, side, task, bandwidth):
@@ -149,9 +166,9 @@ def model(run, objects, probes, side, task, bandwidth):
     def parts(objects, probes, workers, partitions, chunks, bandwidth, task):
         stay = 1 / workers  # the share of rows that stay on their worker
         # Read, sample and distribute; pieces; build and its description.
-        build_tasks = 3 * chunks + chunks * partitions + 2 * partitions
-        # A chunk of probes is read, routed, and goes to all partitions at most.
-        join_tasks = 3 * chunks + 2 * chunks * partitions
+        build_tasks = 3 * chunks + sends(chunks, partitions) + 2 * partitions
+        # A chunk of probes is read, routed and sent, and what is found comes back.
+        join_tasks = 3 * chunks + 2 * sends(chunks, partitions)
         grown = np.log(objects / partitions) / np.log(measured_objects / PARTITIONS)
         return {
             "build": {
@@ -210,21 +227,22 @@ def measure(client, name, world, objects, probes, side, repetitions):
         build1, join1, files1, count1 = one_process(world, objects, probes, side)
         source = collection(world, objects, side, 0)
         before = incoming(client)
-        build2, spread_tree = seconds(lambda: hd.BVH(source, PARTITIONS, client=client))
+        build2, spread_tree = seconds(lambda: built(source))
         moved_build = incoming(client) - before
         probe_source = collection(world, probes, side, 1000)
-        join2, (first, count2) = seconds(lambda: drain(spread_tree.query(probe_source)))
+        join2, (first, count2) = seconds(lambda: drain(spread_tree.query_batches(probe_source)))
         moved_join = incoming(client) - before - moved_build
         with tempfile.TemporaryDirectory() as directory:
-            files2, paths = seconds(lambda: spread_tree.query(probe_source, to=directory))
+            files2, paths = seconds(lambda: spread_tree.query_batches(probe_source, to=directory))
             count3 = sum(np.load(path, mmap_mode="r").shape[1] for path in paths)
         if not count1 == count2 == count3:
             sys.exit(f"{name}: {count1} pairs in one process, {count2} streamed and {count3} "
                      "in files on the cluster")
+        sizes = spread_tree.sizes.compute()
         runs.append({"build 1": build1, "build 2": build2, "join 1": join1, "join 2": join2,
                      "files 1": files1, "files 2": files2, "first": first, "pairs": count1,
                      "moved build": moved_build, "moved join": moved_join,
-                     "most": spread_tree.sizes.max() / spread_tree.sizes.mean()})
+                     "most": sizes.max() / sizes.mean()})
         del spread_tree
     return {key: [run[key] for run in runs] for key in runs[0]}
 

@@ -1,19 +1,29 @@
 """Joins, box queries and k nearest on Dask, over more boxes than one machine holds.
 
-    from distributed import Client
     import halfspace.dask as hd
 
-    client = Client("scheduler:8786")
-    tree = hd.BVH(boxes)                         # a dask array (n, 6) or (n, 4)
-    for rows, ids in tree.query(probes): ...     # pairs, one batch after another
-    paths = tree.query(probes, to="out")         # or files, written by the workers
-    for i, j in tree.pairs(): ...
-    for rows, ids, distances in tree.nearest(points, k=8): ...
+    tree = hd.BVH(boxes)                         # a lazy Dask collection
+    tree = tree.persist()                        # builds it
+    pairs = tree.query(probes)                   # a dask DataFrame: "id" by "row"
+    near = tree.nearest(points, k=8)             # "id" and "distance" by "row"
+    own = tree.pairs()                           # "i" and "j"
 
-Boxes and points are a dask array of rows, a numpy array, or a list of paths of `.npy`
-files that every worker can read. The id of an object is its row in the whole
-collection, an int64. Boxes mean what they mean in `halfspace.BVH`: boxes that touch
-overlap, and boxes of doubles are rounded outward to floats.
+Boxes and points are rows of a dask array, also one of unknown chunk sizes, of delayed
+arrays, of a data frame (dask's, pandas', geopandas' or dask-geopandas'), of an array, or
+of files, as a list of paths of `.npy` or `.parquet` files that every worker can read. A
+frame has the columns `minx, miny, maxx, maxy` or `xmin, ymin, xmax, ymax`, the column
+`bbox` of GeoParquet, geometries, or only columns of numbers.
+
+The id of an object is its row in the whole collection, an int64. Boxes mean what they
+mean in `halfspace.BVH`: boxes that touch overlap, and boxes of doubles are rounded
+outward to floats.
+
+Calls that end in `_batches` need a `distributed.Client`. They run at once, and return
+iterators of arrays, or write files. They make only the tasks that find something, and
+hold few results at a time:
+
+    for rows, ids in tree.query_batches(probes): ...
+    paths = tree.query_batches(probes, to="out")
 
 How it works: a sample of the boxes is split at medians, one split for each further
 partition. Each object belongs to the one partition that has its center, so no pair is
@@ -34,6 +44,7 @@ import dataclasses
 import functools
 import itertools
 import math
+import operator
 import os
 import tempfile
 import typing
@@ -41,14 +52,21 @@ import uuid
 
 import dask
 import dask.array
+import dask.blockwise
+import dask.core
+import dask.graph_manipulation
 import dask.sizeof
+import dask.system
+import dask.threaded
 import distributed
 import numpy as np
+from dask.delayed import Delayed
+from dask.highlevelgraph import HighLevelGraph
 
 import halfspace as hs
 from halfspace import _arrays, _files
 
-__all__ = ["BVH", "join", "scan"]
+__all__ = ["BVH", "join", "join_batches", "scan", "scan_batches"]
 
 MAX_RESULTS = 10_000_000
 
@@ -62,26 +80,96 @@ _BYTES_PER_OBJECT = 56
 # More than the rounding of distances (halfspace/bvh_nearest.h: 2^-20 and 2^-73).
 _FAR = 1 + 2.0**-18
 _FARTHER = 2.0**-70
+# With more partitions, rows go to them in two stages.
+_ONE_STAGE = 16
+# A row of a chunk, until it is known where the chunk begins: (chunk << _BITS) + row.
+_BITS = 32
+
+
+# Graphs.
+
+
+class _Lazy:
+    """A graph, whose last layer has the name."""
+
+    def __init__(self, name: str, tasks: dict, dependencies=()):
+        self._name = name
+        self._graph = HighLevelGraph.from_collections(name, tasks, dependencies)
+
+    def __dask_graph__(self):
+        return self._graph
+
+    def __dask_layers__(self):
+        return (self._name,)
+
+
+def _name(what: str) -> str:
+    # Not of the arguments: a file that changed between two calls must be read again.
+    return f"halfspace-{what}-{uuid.uuid4().hex}"
+
+
+def _delayed(lazy, key) -> Delayed:
+    return Delayed(key, lazy.__dask_graph__(), layer=lazy.__dask_layers__()[0])
 
 
 # The source: rows in chunks.
 
 
 @dataclasses.dataclass(frozen=True)
-class _Chunk:
-    first: int  # the row where it begins
-    rows: int
-    data: typing.Any  # a Delayed of the rows
+class _Source:
+    """The chunks `keys` of the graphs of `collections`. `sizes` are their numbers of
+    rows, and `width` is that of a row: None if it is unknown."""
+
+    collections: list
+    keys: list
+    sizes: typing.Any  # a list
+    width: int | None
+
+    @functools.cached_property
+    def firsts(self) -> list:
+        return list(itertools.accumulate(self.sizes, initial=0))
+
+    def where(self, chunk: int) -> str:
+        """What an error says of a chunk."""
+        if self.sizes is None:
+            return f"in chunk {chunk}"
+        return f"in the chunk that begins at row {self.firsts[chunk]}"
 
 
 def _read(path: str, begin: int, end: int) -> np.ndarray:
     return np.array(np.load(path, mmap_mode="r")[begin:end])
 
 
-def _chunks(source, name: str, widths: tuple[int, ...]) -> tuple[list[_Chunk], int]:
-    """Returns the chunks of a collection, and the width of its rows."""
+def _read_parquet(path: str):
+    import pandas  # type: ignore
+
+    return pandas.read_parquet(path)
+
+
+_BOUNDS = (["minx", "miny", "maxx", "maxy"], ["xmin", "ymin", "xmax", "ymax"])
+
+
+def _without_names(chunk):
+    """The boxes of a frame. Any other chunk as it is."""
+    if hasattr(chunk, "geom_type"):  # of geometries: those without a box are empty
+        boxes = chunk.bounds.to_numpy()
+        boxes[np.isnan(boxes).any(axis=1)] = [np.inf, np.inf, -np.inf, -np.inf]
+        return boxes
+    if not hasattr(chunk, "columns"):
+        return chunk
+    if "bbox" in chunk.columns:
+        boxes = list(chunk["bbox"])
+        return np.array([[box[name] for name in _BOUNDS[1]] for box in boxes],
+                        np.float64).reshape(-1, 4)
+    for names in _BOUNDS:
+        if set(names) <= set(chunk.columns):
+            return chunk[names].to_numpy()
+    return chunk.to_numpy()
+
+
+def _source(source, name: str, widths: tuple[int, ...]) -> _Source:
+    """Returns the chunks of a collection."""
     wanted = " or ".join(f"(n, {width})" for width in widths)
-    parts: list[tuple[int, typing.Any]] = []  # rows, and their Delayed
     width = 0
 
     def check(shape, what: str) -> None:
@@ -91,45 +179,73 @@ def _chunks(source, name: str, widths: tuple[int, ...]) -> tuple[list[_Chunk], i
                              f"{tuple(shape)}")
         width = shape[1]
 
-    if isinstance(source, (str, os.PathLike)):
-        source = [source]
     if isinstance(source, dask.array.Array):
         check(source.shape, "the dask array")
-        if any(math.isnan(rows) for rows in source.chunks[0]):
-            raise ValueError(f"{name} must have chunks of known sizes: call its "
-                             "compute_chunk_sizes() first")
-        source = source.rechunk({1: -1})
-        parts = list(zip(source.chunks[0], source.to_delayed()[:, 0]))
-    elif isinstance(source, (list, tuple)) and source and all(
-            isinstance(path, (str, os.PathLike)) for path in source):
-        for path in (os.path.abspath(os.fsdecode(path)) for path in source):
-            shape = np.load(path, mmap_mode="r").shape
-            check(shape, path)
-            for begin in range(0, shape[0], _CHUNK_ROWS):
-                end = min(begin + _CHUNK_ROWS, shape[0])
-                parts.append((end - begin, dask.delayed(_read)(path, begin, end)))
+        if source.numblocks[1] > 1:
+            source = source.rechunk({1: -1})
+        is_known = not any(map(math.isnan, source.chunks[0]))
+        keys = [key for key, in source.__dask_keys__()]
+        return _Source([source], keys, list(source.chunks[0]) if is_known else None, width)
+    if _are_all(source, Delayed):
+        return _Source(list(source), [part.key for part in source], None, None)
+    if dask.is_dask_collection(source):  # a frame, or a delayed array
+        keys = list(dask.core.flatten(source.__dask_keys__()))
+        return _Source([source], keys, None, None)
+    if isinstance(source, (str, os.PathLike)):
+        source = [source]
+    sizes: list = []
+    tasks: list = []
+    if _are_all(source, (str, os.PathLike)):
+        paths = [os.path.abspath(os.fsdecode(path)) for path in source]
+        if any(path.endswith(".parquet") for path in paths):
+            tasks = [(_read_parquet, path) for path in paths]
+        else:
+            for path in paths:
+                shape = np.load(path, mmap_mode="r").shape
+                check(shape, path)
+                for begin in range(0, max(1, shape[0]), _CHUNK_ROWS):
+                    end = min(begin + _CHUNK_ROWS, shape[0])
+                    sizes.append(end - begin)
+                    tasks.append((_read, path, begin, end))
     else:
-        array = _arrays.numbers(source, name)
+        array = _arrays.numbers(_without_names(source), name)
         check(array.shape, "the array")
-        for begin in range(0, len(array), _CHUNK_ROWS):
-            rows = array[begin:begin + _CHUNK_ROWS]
-            parts.append((len(rows), dask.delayed(rows)))
-    firsts = itertools.accumulate((rows for rows, _ in parts), initial=0)
-    return [_Chunk(first, rows, data)
-            for first, (rows, data) in zip(firsts, parts) if rows > 0], width
+        tasks = [array[begin:begin + _CHUNK_ROWS]
+                 for begin in range(0, max(1, len(array)), _CHUNK_ROWS)]
+        sizes = list(map(len, tasks))
+    layer = _name("source")
+    keys = [(layer, chunk) for chunk in range(len(tasks))]
+    return _Source([_Lazy(layer, dict(zip(keys, tasks)))], keys, sizes or None, width or None)
 
 
-def _in_chunk(first: int, call):
-    """Returns call(). An error of it says where the chunk begins."""
+def _again(source):
+    """The same collection, which Dask computes by itself."""
+    if _are_all(source, Delayed):
+        return [dask.graph_manipulation.clone(part) for part in source]
+    return dask.graph_manipulation.clone(source) if dask.is_dask_collection(source) else source
+
+
+def _are_all(values, kind) -> bool:
+    return isinstance(values, (list, tuple)) and len(values) > 0 and all(
+        isinstance(value, kind) for value in values)
+
+
+def _in_chunk(where: str, call):
+    """Returns call(). An error of it says where."""
     try:
         return call()
     except (ValueError, TypeError) as error:
-        raise type(error)(f"in the chunk that begins at row {first}: {error}") from None
+        raise type(error)(f"{where}: {error}") from None
 
 
-def _rows(chunk, name: str, first: int) -> np.ndarray:
-    """The rows of a chunk as a plain array."""
-    return _in_chunk(first, lambda: _arrays.numbers(chunk, name))
+def _rows(chunk, name: str, where: str) -> np.ndarray:
+    """The rows of a chunk as a plain array of two dimensions."""
+    def read():
+        rows = _arrays.numbers(_without_names(chunk), name)
+        if rows.ndim != 2:
+            raise ValueError(f"{name} must have two dimensions, not the shape {rows.shape}")
+        return rows
+    return _in_chunk(where, read)
 
 
 # Partitions.
@@ -171,6 +287,8 @@ def _split_sample(boxes, stands_for, partitions: int, by_pairs: bool) -> _Splits
     of a box is for the objects that it stands for, and half for their pairs. So no
     partition has more than twice its share of either, as far as the sample tells."""
     dims = boxes.shape[1] // 2
+    if partitions == 1:
+        return _Splits([])
     # Not empty boxes. Those with a NaN are errors, which the build reports.
     some = (boxes[:, :dims] <= boxes[:, dims:]).all(axis=1)
     boxes, stands_for = boxes[some], stands_for[some]
@@ -222,20 +340,45 @@ class _Partition:
 
 
 @dataclasses.dataclass(frozen=True)
+class _Top:
+    """What tasks know of all partitions."""
+
+    bounds: np.ndarray
+    sizes: np.ndarray  # numbers of objects
+    nbytes: int
+    tree: hs.BVH  # of the bounds
+
+    @staticmethod
+    def of(partitions: list) -> _Top:
+        bounds = np.array([bounds for bounds, _, _ in partitions])
+        sizes = np.array([size for _, size, _ in partitions], np.int64)
+        return _Top(bounds, sizes, sum(size for _, _, size in partitions), hs.BVH(bounds))
+
+
+@dataclasses.dataclass(frozen=True)
 class _Routed:
     """Which rows of a chunk go to which partition: each to none, one or several."""
 
     data: np.ndarray
-    first: int  # the chunk's first row
+    first: typing.Any  # the number of the first row, or those of all rows
     rows: np.ndarray  # in `data`, grouped by partition
     partitions: np.ndarray  # ascending
     begins: np.ndarray  # of each group, and the end
 
     @staticmethod
-    def to(partitions, rows, data, first: int) -> _Routed:
+    def to(partitions, rows, data, first) -> _Routed:
         order = np.argsort(partitions, kind="stable")
         numbers, begins = np.unique(partitions[order], return_index=True)
         return _Routed(data, first, rows[order], numbers, np.append(begins, len(order)))
+
+    def rows_to(self, begin: int, end: int):
+        """What goes to the partitions from `begin` to `end`: the data of the rows, their
+        numbers and their partitions."""
+        i, j = np.searchsorted(self.partitions, (begin, end))
+        rows = self.rows[self.begins[i]:self.begins[j]]
+        sizes = np.diff(self.begins[i:j + 1])
+        numbers = rows + self.first if np.ndim(self.first) == 0 else self.first[rows]
+        return self.data[rows], numbers, np.repeat(self.partitions[i:j], sizes)
 
 
 @dask.sizeof.sizeof.register(hs.BVH)
@@ -261,28 +404,154 @@ def _targets(routed: _Routed) -> np.ndarray:
 
 def _piece(routed: _Routed, partition: int):
     """The rows that go to one partition: what is sent to its worker."""
-    at = np.searchsorted(routed.partitions, partition)
-    if at == len(routed.partitions) or routed.partitions[at] != partition:
-        return routed.data[:0].copy(), np.empty(0, np.int64)
-    rows = routed.rows[routed.begins[at]:routed.begins[at + 1]]
-    return routed.data[rows], rows + routed.first
+    return routed.rows_to(partition, partition + 1)[:2]
+
+
+def _part(routed: _Routed, begin: int, end: int):
+    return routed.rows_to(begin, end)
+
+
+def _block(parts: list) -> _Routed:
+    """What several chunks send to some partitions."""
+    data, numbers, partitions = map(np.concatenate, zip(*parts))
+    return _Routed.to(partitions, np.arange(len(data)), data, numbers)
+
+
+def _step(partitions: int) -> int:
+    return math.isqrt(partitions - 1) + 1
+
+
+def _send(tasks: dict, name: str, routed: list, partitions: int) -> list:
+    """Adds tasks that send rows to partitions. Returns for each block of chunks the keys
+    of its pieces, one for each partition. A block is one chunk, or with many partitions
+    several: then a chunk has two tasks for each group of partitions, and a block has one
+    for each partition."""
+    if partitions <= _ONE_STAGE:
+        blocks = [[key] * partitions for key in routed]
+    else:
+        step = _step(partitions)
+        blocks = []
+        for block, first in enumerate(range(0, len(routed), step)):
+            keys: list = []
+            for begin in range(0, partitions, step):
+                end = min(begin + step, partitions)
+                parts = [(f"{name}-part", chunk, begin)
+                         for chunk in range(first, min(first + step, len(routed)))]
+                tasks.update((part, (_part, routed[part[1]], begin, end)) for part in parts)
+                tasks[f"{name}-block", block, begin] = (_block, parts)
+                keys += [(f"{name}-block", block, begin)] * (end - begin)
+            blocks.append(keys)
+    pieces = []
+    for block, keys in enumerate(blocks):
+        pieces.append([(f"{name}-piece", block, p) for p in range(partitions)])
+        tasks.update((piece, (_piece, key, piece[2])) for piece, key in zip(pieces[-1], keys))
+    return pieces
+
+
+def _search(tasks: dict, name: str, routed: list, tree: BVH, search, *arguments) -> list:
+    """Adds tasks that search(partition, piece, *arguments). Returns for each chunk the
+    keys of all that was found of it. They come back as they were sent."""
+    partitions = tree.npartitions
+    blocks = []
+    for block, pieces in enumerate(_send(tasks, name, routed, partitions)):
+        blocks.append([(f"{name}-found", block, p) for p in range(partitions)])
+        for p, (key, piece) in enumerate(zip(blocks[-1], pieces)):
+            tasks[key] = (search, (tree._name, p), piece, *arguments)
+    if partitions <= _ONE_STAGE:
+        return blocks
+    step = _step(partitions)
+    found: list = []
+    for block, keys in enumerate(blocks):
+        begins = range(0, partitions, step)
+        for begin in begins:
+            tasks[f"{name}-sum", block, begin] = (_concatenate, keys[begin:begin + step])
+        for chunk in range(block * step, min((block + 1) * step, len(routed))):
+            found.append([(f"{name}-back", chunk, begin) for begin in begins])
+            tasks.update((key, (_of_chunk, (f"{name}-sum", block, key[2]), chunk))
+                         for key in found[-1])
+    return found
+
+
+def _concatenate(found: list) -> tuple:
+    return tuple(map(np.concatenate, zip(*found)))
+
+
+def _of_chunk(found: tuple, chunk: int) -> tuple:
+    some = found[0] >> _BITS == chunk
+    return tuple(column[some] for column in found)
+
+
+def _length(routed: _Routed) -> int:
+    return len(routed.data)
+
+
+def _sum_up(lengths: list) -> list:
+    return list(itertools.accumulate(lengths, initial=0))
+
+
+def _firsts(tasks: dict, name: str, source: _Source, routed: list, length) -> list:
+    """The first row of each chunk, or a task that finds it."""
+    if source.sizes is not None:
+        return source.firsts
+    tasks[f"{name}-firsts"] = (_sum_up, [(length, key) for key in routed])
+    return [(operator.getitem, f"{name}-firsts", chunk) for chunk in range(len(routed))]
+
+
+def _divisions(source: _Source):
+    """The rows at which the chunks begin, and the last one, if they are known."""
+    if not source.sizes or 0 in source.sizes:
+        return None
+    return (*source.firsts[:-1], source.firsts[-1] - 1)
+
+
+def _frame(name: str, tasks: dict, dependencies, keys, columns: dict, index=None,
+           divisions=None):
+    """A dask DataFrame of the frames of some tasks."""
+    import dask.dataframe
+
+    lazy = _Lazy(name, tasks, dependencies)
+    meta = _pandas(index, np.empty(0, np.int64),
+                   {column: np.empty(0, kind) for column, kind in columns.items()})
+    return dask.dataframe.from_delayed([_delayed(lazy, key) for key in keys], meta=meta,
+                                       divisions=divisions, prefix=name, verify_meta=False)
+
+
+def _pandas(index, rows, columns: dict):
+    import pandas  # type: ignore
+
+    if index is None:
+        return pandas.DataFrame(columns)
+    return pandas.DataFrame(columns, index=pandas.Index(rows, name=index))
 
 
 # Tasks of a build.
 
 
-def _sample(boxes, first: int, share: float):
-    """Returns random boxes, and for each how many objects it stands for."""
-    boxes = _rows(boxes, "boxes", first)
-    count = max(1, math.ceil(len(boxes) * share))
-    rows = np.random.default_rng(first).choice(len(boxes), count, replace=False)
-    return boxes[np.sort(rows)], np.full(count, len(boxes) / count)
+def _sample(boxes, chunk: int, where: str, most: int):
+    """Returns random boxes, for each how many objects it stands for, and the number of
+    rows."""
+    boxes = _rows(boxes, "boxes", where)
+    count = min(len(boxes), most)
+    rows = np.random.default_rng(chunk).choice(len(boxes), count, replace=False)
+    return boxes[np.sort(rows)], np.full(count, len(boxes) / max(1, count)), len(boxes)
 
 
-def _distribute(boxes, first: int, splits: _Splits) -> _Routed:
-    boxes = _rows(boxes, "boxes", first)
-    partitions = splits.partitions_of(_centers(boxes))
-    return _Routed.to(partitions, np.arange(len(boxes)), boxes, first)
+@dataclasses.dataclass(frozen=True)
+class _Plan:
+    splits: _Splits
+    firsts: list  # rows
+
+    @staticmethod
+    def of(samples: list, partitions: int, by_pairs: bool) -> _Plan:
+        boxes, stands_for, lengths = zip(*samples)
+        return _Plan(_split_sample(np.concatenate(boxes), np.concatenate(stands_for),
+                                   partitions, by_pairs), _sum_up(lengths))
+
+
+def _distribute(boxes, chunk: int, where: str, plan: _Plan) -> _Routed:
+    boxes = _rows(boxes, "boxes", where)
+    partitions = plan.splits.partitions_of(_centers(boxes))
+    return _Routed.to(partitions, np.arange(len(boxes)), boxes, plan.firsts[chunk])
 
 
 def _build(pieces, mapped: bool) -> _Partition:
@@ -293,7 +562,10 @@ def _build(pieces, mapped: bool) -> _Partition:
     except ValueError as error:
         raise _error_of_row(boxes, rows) or error from None
     if mapped:
-        directory = distributed.get_worker().local_directory
+        try:
+            directory = distributed.get_worker().local_directory
+        except ValueError:  # another scheduler
+            directory = None
         with tempfile.TemporaryDirectory(dir=directory) as scratch:
             path = os.path.join(scratch, "tree")
             with open(path, "wb") as file:
@@ -312,6 +584,15 @@ def _error_of_row(boxes, rows) -> ValueError | None:
     return None
 
 
+def _whole(results: list) -> hs.BVH:
+    """All partitions as one tree, in which ids are rows."""
+    *partitions, top = results
+    boxes = np.empty((top.sizes.sum(), top.bounds.shape[1]), np.float32)
+    for partition in partitions:
+        boxes[partition.rows] = partition.tree.boxes()
+    return hs.BVH(boxes)
+
+
 def _about(partition: _Partition):
     return partition.tree.bounds, len(partition.tree), partition.tree.nbytes
 
@@ -320,10 +601,40 @@ def _about(partition: _Partition):
 # and the objects of a partition.
 
 
-def _route(boxes, first: int, top: hs.BVH) -> _Routed:
-    boxes = _rows(boxes, "boxes", first)
-    rows, partitions = _in_chunk(first, lambda: top.query(boxes))
+def _route(boxes, first: int, where: str, top: _Top) -> _Routed:
+    boxes = _rows(boxes, "boxes", where)
+    rows, partitions = _in_chunk(where, lambda: top.tree.query(boxes))
     return _Routed.to(partitions, rows, boxes, first)
+
+
+def _route_border(partition: _Partition, top: _Top, after: int) -> _Routed:
+    """Sends objects to the partitions whose bounds they overlap, after one."""
+    others = top.tree.query(partition.tree.bounds)
+    others = others[others > after]
+    boxes = partition.tree.boxes()
+    found, ids = partition.tree.query(top.bounds[others])
+    return _Routed.to(others[found], ids, boxes, partition.rows)
+
+
+def _all_pairs_in(partition: _Partition, piece):
+    return _pairs_in(partition, piece, 0, len(piece[0]))
+
+
+def _frame_of_query(found: list, chunk: int, first: int):
+    rows, ids = _concatenate(found)
+    order = np.lexsort((ids, rows))
+    return _pandas("row", rows[order] - (chunk << _BITS) + first, {"id": ids[order]})
+
+
+def _frame_of_pairs(partition: _Partition, pieces: list):
+    i, j = np.concatenate([partition.rows[partition.tree.pairs()]] + [
+        np.stack(_all_pairs_in(partition, piece)) for piece in pieces], axis=1)
+    return _pandas(None, None, {"i": np.minimum(i, j), "j": np.maximum(i, j)})
+
+
+def _frame_of_join(partition: _Partition, pieces: list):
+    j, i = _concatenate([_all_pairs_in(partition, piece) for piece in pieces])
+    return _pandas(None, None, {"i": i, "j": j})
 
 
 def _border(partition: _Partition, bounds: np.ndarray):
@@ -408,78 +719,127 @@ def _nearest_in(partition: _Partition, piece, k: int, max_distance: float):
     return rows, np.append(partition.rows, -1)[ids], distances
 
 
-def _send_home(points, first: int, homes: hs.BVH, numbers: np.ndarray) -> _Routed:
-    """Sends each point to the nearest of some partitions."""
-    points = _rows(points, "points", first)
-    nearest, _ = _in_chunk(first, lambda: homes.nearest(points, k=1))
-    partitions = numbers[np.maximum(nearest[:, 0], 0)]
-    return _Routed.to(partitions, np.arange(len(points)), points, first)
+def _send_home(points, first: int, where: str, top: _Top, k: int) -> _Routed:
+    """Sends each point to the nearest of the partitions that have k objects."""
+    points = _rows(points, "points", where)
+    numbers = np.flatnonzero(top.sizes >= k)
+    if len(numbers) == 0:
+        numbers = np.flatnonzero(top.sizes > 0)
+    rows = np.arange(len(points) if len(numbers) else 0)
+    nearest = rows
+    if len(rows):
+        homes = hs.BVH(top.bounds[numbers])
+        nearest = _in_chunk(where, lambda: homes.nearest(points, k=1))[0][:, 0]
+        nearest = numbers[np.maximum(nearest, 0)]
+    return _Routed.to(nearest, rows, points, first)
 
 
-def _send_on(points, first: int, home: _Routed, found: list, top: hs.BVH,
-             max_distance: float) -> _Routed:
+def _send_on(home: _Routed, found: list, top: _Top, max_distance: float) -> _Routed:
     """Sends each point to the other partitions within the distance of its k-th."""
-    points = _rows(points, "points", first)
+    points, dims = home.data, top.bounds.shape[1] // 2
     radius = np.full((len(points), 1), max_distance)
-    home_of = np.empty(len(points), np.int64)
+    home_of = np.full(len(points), -1)
     home_of[home.rows] = np.repeat(home.partitions, np.diff(home.begins))
     for rows, _, distances in found:
-        radius[rows - first] = np.minimum(max_distance, distances[:, -1:])
+        radius[rows - home.first] = np.minimum(max_distance, distances[:, -1:])
     radius = radius * _FAR + _FARTHER
-    # From the box of floats around a point, as trees measure distances.
+    # From the box of floats around a point or a box, as trees measure distances.
     near = points.astype(np.float32)
-    low = np.where(near > points, np.nextafter(near, -np.float32(np.inf)), near)
-    high = np.where(near < points, np.nextafter(near, np.float32(np.inf)), near)
+    low = np.where(near > points, np.nextafter(near, -np.float32(np.inf)), near)[:, :dims]
+    high = np.where(near < points, np.nextafter(near, np.float32(np.inf)), near)[:, -dims:]
     with np.errstate(invalid="ignore"):
         low, high = low - radius, high + radius
     # The difference of infinities.
     low[np.isnan(low)], high[np.isnan(high)] = -np.inf, np.inf
-    rows, partitions = top.query(np.hstack([low, high]))
+    rows, partitions = top.tree.query(np.hstack([low, high]))
     is_other = partitions != home_of[rows]
-    return _Routed.to(partitions[is_other], rows[is_other], points, first)
+    return _Routed.to(partitions[is_other], rows[is_other], points, home.first)
 
 
-def _merge(first: int, count: int, k: int, found: list):
-    """The k nearest to each point of a chunk, of all that partitions found."""
-    rows = np.concatenate([np.repeat(rows - first, k) for rows, _, _ in found])
+def _best(found: list, k: int):
+    """The k nearest to each point, of all that partitions found: the rows of the points,
+    ranks, ids and distances."""
+    rows = np.concatenate([np.repeat(rows, k) for rows, _, _ in found])
     ids = np.concatenate([ids.reshape(-1) for _, ids, _ in found])
     distances = np.concatenate([distances.reshape(-1) for _, _, distances in found])
     order = np.lexsort((ids, distances, rows))
     rows, ids, distances = rows[order], ids[order], distances[order]
     rank = np.arange(len(rows)) - np.searchsorted(rows, rows)
     some = (rank < k) & (ids >= 0)
+    return rows[some], rank[some], ids[some], distances[some]
+
+
+def _merge(home: _Routed, k: int, found: list):
+    first, count = home.first, len(home.data)
     all_ids = np.full((count, k), -1, np.int64)
     all_distances = np.full((count, k), np.inf, np.float32)
-    all_ids[rows[some], rank[some]] = ids[some]
-    all_distances[rows[some], rank[some]] = distances[some]
+    if found:
+        rows, rank, ids, distances = _best(found, k)
+        all_ids[rows - first, rank] = ids
+        all_distances[rows - first, rank] = distances
     return np.arange(first, first + count), all_ids, all_distances
+
+
+def _frame_of_nearest(found: list, k: int, chunk: int, first: int):
+    rows, _, ids, distances = _best(found, k)
+    return _pandas("row", rows - (chunk << _BITS) + first,
+                   {"id": ids, "distance": distances})
 
 
 # Running tasks.
 
 
+def _cluster() -> tuple[int, int]:
+    """The threads of the cluster, or of this process, and its memory. This is 0 if it has
+    no limit."""
+    try:
+        workers = distributed.get_client().scheduler_info()["workers"].values()
+    except ValueError:
+        return dask.system.CPU_COUNT, 0
+    if not workers:
+        raise RuntimeError("the cluster has no workers: wait for one with "
+                           "client.wait_for_workers(1)")
+    limits = [worker["memory_limit"] or 0 for worker in workers]
+    return (sum(worker["nthreads"] for worker in workers),
+            sum(limits) if all(limits) else 0)
+
+
+def _length_of(chunk) -> int:
+    return len(_without_names(chunk))
+
+
 class _Runner:
     """Submits tasks, and yields their results with a bound on how many wait."""
 
-    def __init__(self, client: distributed.Client | None):
-        self.client = client or distributed.get_client()
-        self.threads = sum(self.client.nthreads().values())
-        if self.threads == 0:
-            raise RuntimeError("the cluster has no workers: wait for one with "
-                               "client.wait_for_workers(1)")
+    def __init__(self):
+        self.client = distributed.get_client()
+        self.threads, _ = _cluster()
 
     def submit(self, function, *arguments) -> distributed.Future:
         # Not pure: a file that changed between two calls must be read again.
         return self.client.submit(function, *arguments, pure=False)
 
-    def memory(self) -> int:
-        """The memory of all workers, or 0 if one of them has no limit."""
-        limits = self.client.run(
-            lambda dask_worker: dask_worker.memory_manager.memory_limit).values()
-        return sum(limits) if all(limits) else 0
+    def chunks(self, source: _Source):
+        """Yields the number of each chunk, its first row, and a function that returns its
+        future. Chunks of unknown sizes are read once more."""
+        lazy = _Lazy(_name("chunks"), {}, source.collections)
 
-    def source(self, chunk: _Chunk) -> distributed.Future:
-        return self.client.compute(chunk.data)
+        def read(chunk: int) -> distributed.Future:
+            return self.client.compute(Delayed(source.keys[chunk], lazy.__dask_graph__(),
+                                               layer=lazy._name))
+
+        sizes = source.sizes
+        if sizes is None:
+            # One after another, as each is in memory.
+            read_length = (lambda chunk: self.submit(_length_of, read(chunk)))
+            sizes = [future.result()
+                     for future in self.ahead(range(len(source.keys)), read_length)]
+        for chunk, first in enumerate(_sum_up(sizes)[:-1]):
+            if sizes[chunk] > 0:
+                yield chunk, first, functools.partial(read, chunk)
+
+    def border(self, of: _Placed, q: int, p: int, its: _Placed) -> distributed.Future:
+        return self.submit(_border, of.partitions[q], its.top.bounds[p])
 
     def ahead(self, items, start):
         """Yields start(item) of each item, of which a few were started before."""
@@ -546,95 +906,226 @@ class _Runner:
 # The interface.
 
 
-class BVH:
-    """A BVH over the workers of a Dask cluster: partitions of the objects, each a
-    `halfspace.BVH`.
+@dataclasses.dataclass
+class _Placed:
+    """The partitions on a cluster."""
 
-    boxes       (n, 6) or (n, 4): a dask array, an array, or a list of .npy paths
+    client: distributed.Client
+    partitions: list
+    top_future: distributed.Future
+    top: _Top
+
+
+class BVH(_Lazy, dask.base.DaskMethodsMixin):
+    """A BVH over the workers of a Dask cluster: partitions of the objects, each a
+    `halfspace.BVH`. It is a lazy Dask collection, with any of Dask's schedulers.
+
+    boxes       what the module describes, of 2 or 3 dimensions
     partitions  their number; by default 2 for each thread of the cluster. Each must fit
                 into the memory of its worker. More partitions share uneven work better,
-                and take more tasks: one for each partition and chunk of `boxes`
+                and take more tasks
     balance     "pairs": partitions have about equal numbers of objects, and of pairs
                 that these are in, as a sample tells; or "objects"
     mapped      whether workers keep trees in files that they map: True, False, or by
                 default None: if all trees need more than half of the workers' memory
-    client      a `distributed.Client`; by default the current one
 
-    The constructor returns when all partitions exist: building is not lazy. It reads
-    `boxes` twice, or once if they fit into a quarter of the workers' memory.
+    `persist()` builds it on the cluster, and returns a tree that refers to the built
+    partitions. Without it, each computation builds them again. `compute()` returns one
+    `halfspace.BVH` of all boxes, which `dask.delayed` functions also receive. A task can
+    receive the tree itself: `client.submit(function, tree)`.
+
+    A build reads `boxes` twice, or once if they fit into a quarter of the workers' memory.
     """
 
     def __init__(self, boxes, partitions: int | None = None, *, balance: str = "pairs",
-                 mapped: bool | None = None,
-                 client: distributed.Client | None = None):
+                 mapped: bool | None = None):
         if balance not in ("pairs", "objects"):
             raise ValueError(f"balance must be 'pairs' or 'objects', not {balance!r}")
-        self._run = run = _Runner(client)
-        if partitions is None:
-            partitions = 2 * run.threads
-        partitions = _arrays.positive(partitions, "partitions")
-        chunks, self._width = _chunks(boxes, "boxes", (4, 6))
-        self._size = sum(chunk.rows for chunk in chunks)
-        partitions = min(partitions, self._size)
-        memory = run.memory()
-        if mapped is None:
-            mapped = 0 < memory < 2 * _BYTES_PER_OBJECT * self._size
+        threads, memory = _cluster()
+        count = _arrays.positive(2 * threads if partitions is None else partitions,
+                                 "partitions")
+        source = _source(boxes, "boxes", (4, 6))
+        self._width = source.width
+        self._size = None if source.sizes is None else sum(source.sizes)
+        is_small = memory == 0
+        if self._size is not None:
+            count = max(1, min(count, self._size))
+            is_small |= 32 * 6 * self._size < memory
+            if mapped is None:
+                mapped = 0 < memory < 2 * _BYTES_PER_OBJECT * self._size
+        samples = source if is_small else _source(_again(boxes), "boxes", (4, 6))
+        self._partitions = count
 
-        # Read once if everything fits into a quarter of the memory.
-        is_small = memory == 0 or 32 * self._width * self._size < memory
-        sources = [run.source(chunk) for chunk in chunks] if is_small else []
+        name, chunks = _name("bvh"), range(len(source.keys))
+        tasks: dict = {}
+        most = -(-_SAMPLE_PER_PARTITION * count // len(chunks))
+        for chunk in chunks:
+            where = source.where(chunk)
+            tasks[f"{name}-sample", chunk] = (_sample, samples.keys[chunk], chunk, where, most)
+            tasks[f"{name}-send", chunk] = (_distribute, source.keys[chunk], chunk, where,
+                                            f"{name}-plan")
+        tasks[f"{name}-plan"] = (_Plan.of, [(f"{name}-sample", chunk) for chunk in chunks],
+                                 count, balance == "pairs")
+        blocks = _send(tasks, name, [(f"{name}-send", chunk) for chunk in chunks], count)
+        for p, pieces in enumerate(zip(*blocks)):
+            tasks[name, p] = (_build, list(pieces), bool(mapped))
+        tasks[name, count] = (_Top.of, [(_about, (name, p)) for p in range(count)])
+        super().__init__(name, tasks, source.collections + samples.collections)
 
-        def source(i: int) -> distributed.Future:
-            return sources[i] if sources else run.source(chunks[i])
+    __dask_scheduler__ = staticmethod(dask.threaded.get)
 
-        splits = _Splits([])
-        if partitions > 1:
-            share = min(1.0, _SAMPLE_PER_PARTITION * partitions / self._size)
-            samples = run.client.gather(
-                [run.submit(_sample, source(i), chunk.first, share)
-                 for i, chunk in enumerate(chunks)])
-            sample, stands_for = map(np.concatenate, zip(*samples))
-            splits = _split_sample(sample, stands_for, partitions, balance == "pairs")
-        routed = [run.submit(_distribute, source(i), chunk.first, splits)
-                  for i, chunk in enumerate(chunks)]
-        sources.clear()
-        self._partitions = [
-            run.submit(_build, [run.submit(_piece, one, p) for one in routed], mapped)
-            for p in range(partitions)]
-        del routed
-        about = run.client.gather([run.submit(_about, one) for one in self._partitions])
-        self._bounds = np.array([bounds for bounds, _, _ in about],
-                                np.float32).reshape(-1, self._width)
-        self._sizes = np.array([size for _, size, _ in about], np.int64)
-        self._bytes = sum(size for _, _, size in about)
-        self._top = hs.BVH(self._bounds)
-        # A task that makes it, and not a copy that a lost worker takes along.
-        self._top_task = run.submit(hs.BVH, self._bounds)
+    def __dask_keys__(self) -> list:
+        return [(self._name, p) for p in range(self._partitions + 1)]
+
+    def __dask_tokenize__(self):
+        return self._name
+
+    @staticmethod
+    def __dask_optimize__(graph, keys, **_):
+        # Without the names of layers: Dask merges what it needs of collections of several
+        # kinds, and of two layers of one name it keeps one.
+        keys = list(dask.core.flatten(keys))
+        return dask.blockwise.optimize_blockwise(graph, keys=keys).cull(set(keys)).to_dict()
+
+    def __dask_postcompute__(self):
+        return _whole, ()
+
+    def __dask_postpersist__(self):
+        return self._persisted, ()
+
+    def _persisted(self, tasks, *, rename=None) -> BVH:
+        tree = BVH.__new__(BVH)
+        tree.__dict__.update(self.__getstate__())
+        name = (rename or {}).get(self._name, self._name)
+        if isinstance(tasks, HighLevelGraph):
+            tree._name, tree._graph = name, tasks
+        else:
+            _Lazy.__init__(tree, name, dict(tasks))
+        return tree
+
+    def __getstate__(self) -> dict:
+        return {key: value for key, value in self.__dict__.items() if key != "_on_cluster"}
+
+    @property
+    def npartitions(self) -> int:
+        """The number of partitions."""
+        return self._partitions
 
     def __len__(self) -> int:
+        """The number of objects. If the sizes of chunks are unknown, this computes them."""
+        if self._size is None:
+            return int(self.sizes.compute().sum())
         return self._size
 
     def __repr__(self) -> str:
-        return (f"<halfspace.dask.BVH: {self._size} boxes in {self._width // 2} "
-                f"dimensions, {len(self._partitions)} partitions>")
+        size = "" if self._size is None else f"{self._size} boxes in "
+        return f"<halfspace.dask.BVH: {size}{self._partitions} partitions>"
+
+    def _top(self) -> Delayed:
+        graph = self.__dask_optimize__(self._graph, [self._top_key])
+        return _delayed(_Lazy(_name("top"), graph), self._top_key)
 
     @property
-    def nbytes(self) -> int:
+    def _top_key(self):
+        return self._name, self._partitions
+
+    @property
+    def nbytes(self) -> Delayed:
         """Bytes of all trees, in memory or mapped."""
-        return self._bytes
+        return self._top().nbytes
 
     @property
-    def bounds(self) -> np.ndarray:
+    def bounds(self) -> Delayed:
         """The bounds of each partition: (partitions, 6) or (partitions, 4)."""
-        return self._bounds.copy()
+        return self._top().bounds
 
     @property
-    def sizes(self) -> np.ndarray:
+    def sizes(self) -> Delayed:
         """The number of objects of each partition."""
-        return self._sizes.copy()
+        return self._top().sizes
 
-    def query(self, boxes, *, max_results: int = MAX_RESULTS, to=None):
+    def query(self, boxes):
         """Finds all pairs of a given box and an object that overlap.
+
+        Returns a dask DataFrame with the column "id" of the objects. Its index "row" has
+        the rows of `boxes`. It has a partition for each chunk of `boxes`, sorted by row,
+        and divisions if the sizes of chunks are known.
+        """
+        source = self._probes(boxes, "boxes", 2)
+        name = _name("query")
+        tasks: dict = {}
+        routed = self._route(tasks, name, source, _route, self._top_key)
+        firsts = _firsts(tasks, name, source, routed, _length)
+        found = _search(tasks, name, routed, self, _all_pairs_in)
+        for chunk, keys in enumerate(found):
+            tasks[name, chunk] = (_frame_of_query, keys, chunk, firsts[chunk])
+        return _frame(name, tasks, [self, *source.collections],
+                      [(name, chunk) for chunk in range(len(found))], {"id": np.int64},
+                      "row", _divisions(source))
+
+    def pairs(self):
+        """Finds each pair of overlapping objects once, as "i" and "j" with i < j.
+
+        Returns a dask DataFrame with a partition for each partition of the tree, in no
+        order. Pairs of partitions are joined once, by the objects of one that overlap the
+        bounds of the other.
+        """
+        return _join(self, self, _frame_of_pairs, is_one=True)
+
+    def nearest(self, points, k: int = 1, max_distance: float = math.inf):
+        """Finds the k objects that are nearest to each point or box, as `halfspace.BVH`.
+
+        Returns a dask DataFrame with the columns "id" and "distance", and the rows of
+        `points` as its index "row": up to k results of a row, nearest first and then by
+        id. Where fewer than k objects are within `max_distance`, a row has fewer. Of
+        objects at the same distance as the k-th, any can be the k-th. Partitions and
+        divisions are those of `query`.
+
+        The nearest partition with k objects gives each point a radius. Then all other
+        partitions within it are searched.
+        """
+        k = _arrays.positive(k, "k")
+        max_distance = _arrays.not_negative(max_distance, "max_distance")
+        source = self._probes(points, "points", 1, 2)
+        name = _name("nearest")
+        tasks: dict = {}
+        home = self._route(tasks, name, source, _send_home, self._top_key, k)
+        firsts = _firsts(tasks, name, source, home, _length)
+        first = _search(tasks, name, home, self, _nearest_in, k, max_distance)
+        on = [(f"{name}-on", chunk) for chunk in range(len(home))]
+        tasks.update((key, (_send_on, home[key[1]], first[key[1]], self._top_key,
+                            max_distance)) for key in on)
+        second = _search(tasks, f"{name}-again", on, self, _nearest_in, k, max_distance)
+        for chunk, keys in enumerate(map(operator.add, first, second)):
+            tasks[name, chunk] = (_frame_of_nearest, keys, k, chunk, firsts[chunk])
+        return _frame(name, tasks, [self, *source.collections],
+                      [(name, chunk) for chunk in range(len(home))],
+                      {"id": np.int64, "distance": np.float32}, "row", _divisions(source))
+
+    def _probes(self, source, name: str, *of_width) -> _Source:
+        dims = (self._width // 2,) if self._width else (2, 3)
+        return _source(source, name, tuple(n * d for n in of_width for d in dims))
+
+    @staticmethod
+    def _route(tasks: dict, name: str, source: _Source, route, *arguments) -> list:
+        keys = [(f"{name}-send", chunk) for chunk in range(len(source.keys))]
+        tasks.update((key, (route, source.keys[key[1]], key[1] << _BITS,
+                            source.where(key[1]), *arguments)) for key in keys)
+        return keys
+
+    # At once, on a cluster.
+
+    def _place(self, run: _Runner) -> _Placed:
+        """The partitions as futures. Builds them in the first call, if persist() did not."""
+        placed = self.__dict__.get("_on_cluster")
+        if placed is None or placed.client is not run.client:
+            graph = dict(run.client.persist(self).__dask_graph__())
+            *partitions, top = (graph[key] for key in self.__dask_keys__())
+            placed = self._on_cluster = _Placed(run.client, partitions, top, top.result())
+        return placed
+
+    def query_batches(self, boxes, *, max_results: int = MAX_RESULTS, to=None):
+        """Finds all pairs of a given box and an object that overlap, at once.
 
         Returns an iterator of (rows, ids), two int64 arrays with at most `max_results`
         pairs, or with all of one row. Batches come as workers finish them.
@@ -644,118 +1135,145 @@ class BVH:
         directory. It is created if it does not exist, and files in it stay. A worker's
         memory then has one batch for each of its threads.
         """
-        chunks, _ = _chunks(boxes, "boxes", (self._width,))
-        routed = self._run.ahead(chunks, lambda chunk: self._run.submit(
-            _route, self._run.source(chunk), chunk.first, self._top_task))
-        joins = ((_pairs_in, self._partitions[p], self._run.submit(_piece, one, p))
-                 for one in routed
-                 for p in self._run.submit(_targets, one).result())
-        return self._run.pairs(joins, max_results, to)
+        run, source = _Runner(), self._probes(boxes, "boxes", 2)
+        placed = self._place(run)
+        routed = run.ahead(run.chunks(source), lambda chunk: run.submit(
+            _route, chunk[2](), chunk[1], source.where(chunk[0]), placed.top_future))
+        joins = ((_pairs_in, placed.partitions[p], run.submit(_piece, one, p))
+                 for one in routed for p in run.submit(_targets, one).result())
+        return run.pairs(joins, max_results, to)
 
-    def pairs(self, *, max_results: int = MAX_RESULTS, to=None):
+    def pairs_batches(self, *, max_results: int = MAX_RESULTS, to=None):
         """Finds each pair of overlapping objects once, as (i, j) with i < j.
 
-        Returns what query() does. Pairs of partitions are joined once, by the objects
-        of one that overlap the bounds of the other.
+        Returns what query_batches() does.
         """
-        own = ((_own_pairs_in, partition, None) for partition in self._partitions)
-        numbers = zip(*self._top.pairs())
-        border = ((_border_pairs_in, self._partitions[p], self._border(q, self._bounds[p]))
-                  for p, q in numbers)
-        return self._run.pairs(itertools.chain(own, border), max_results, to)
+        run = _Runner()
+        placed = self._place(run)
+        own = ((_own_pairs_in, partition, None) for partition in placed.partitions)
+        border = ((_border_pairs_in, placed.partitions[p], run.border(placed, q, p, placed))
+                  for p, q in zip(*placed.top.tree.pairs()))
+        return run.pairs(itertools.chain(own, border), max_results, to)
 
-    def nearest(self, points, k: int = 1, max_distance: float = math.inf):
-        """Finds the k objects that are nearest to each point, as `halfspace.BVH`.
-
-        points  (n, 3) or (n, 2), as `boxes`
+    def nearest_batches(self, points, k: int = 1, max_distance: float = math.inf):
+        """Finds the k objects that are nearest to each point or box, as `nearest`.
 
         Returns an iterator of (rows, ids, distances), one for each chunk of points: the
-        rows of the points, and ids and distances of the shape (rows, k), nearest first
-        and then by id. Where fewer than k objects are within `max_distance`, ids are -1
-        and distances infinite. Of objects at the same distance as the k-th, any can be
-        the k-th.
-
-        The nearest partition with k objects gives each point a radius. Then all other
-        partitions within it are searched.
+        rows of the points, and ids and distances of the shape (rows, k). Where fewer than
+        k objects are within `max_distance`, ids are -1 and distances infinite.
         """
         k = _arrays.positive(k, "k")
         max_distance = _arrays.not_negative(max_distance, "max_distance")
-        chunks, _ = _chunks(points, "points", (self._width // 2,))
-        return self._run.stream((future, None)
-                                for future in self._nearest(chunks, k, max_distance))
-
-    def _border(self, partition: int, bounds: np.ndarray) -> distributed.Future:
-        return self._run.submit(_border, self._partitions[partition], bounds)
-
-    def _nearest(self, chunks, k: int, max_distance: float):
-        run = self._run
-        numbers = np.flatnonzero(self._sizes >= k)
-        if len(numbers) == 0:
-            numbers = np.flatnonzero(self._sizes > 0)
-        homes = run.submit(hs.BVH, self._bounds[numbers])
+        run, source = _Runner(), self._probes(points, "points", 1, 2)
+        placed = self._place(run)
 
         def search(routed):
-            return [run.submit(_nearest_in, self._partitions[p], run.submit(_piece, routed, p),
-                               k, max_distance)
+            return [run.submit(_nearest_in, placed.partitions[p],
+                               run.submit(_piece, routed, p), k, max_distance)
                     for p in run.submit(_targets, routed).result()]
 
-        def send_home(chunk):
-            return chunk, run.submit(_send_home, run.source(chunk), chunk.first, homes,
-                                     numbers)
-
-        def send_on(chunk, home):
+        def send_on(home):
             found = search(home)
-            return chunk, found, run.submit(_send_on, run.source(chunk), chunk.first, home,
-                                            found, self._top_task, max_distance)
+            return home, found, run.submit(_send_on, home, found, placed.top_future,
+                                           max_distance)
 
-        if len(numbers) == 0:
-            nothing = [(np.empty(0, np.int64), np.empty((0, k), np.int64),
-                        np.empty((0, k), np.float32))]
-            for chunk in chunks:
-                yield run.submit(_merge, chunk.first, chunk.rows, k, nothing)
-            return
-        sent_home = run.ahead(chunks, send_home)
-        sent_on = run.ahead(sent_home, lambda sent: send_on(*sent))
-        for chunk, found, on in sent_on:
-            yield run.submit(_merge, chunk.first, chunk.rows, k, found + search(on))
+        homes = run.ahead(run.chunks(source), lambda chunk: run.submit(
+            _send_home, chunk[2](), chunk[1], source.where(chunk[0]), placed.top_future, k))
+        return run.stream((run.submit(_merge, home, k, found + search(on)), None)
+                          for home, found, on in run.ahead(homes, send_on))
 
 
-def join(a: BVH, b: BVH, *, max_results: int = MAX_RESULTS, to=None):
-    """Finds the pairs of an object of `a` and an object of `b` that overlap.
+def _join(a: BVH, b: BVH, frame_of, is_one: bool):
+    """The frames of the partitions of `a`, and what those of `b` send to them. Those of
+    one tree send only to the partitions after them."""
+    name = _name("join")
+    tasks: dict = {}
+    borders = [(f"{name}-send", p) for p in range(b.npartitions)]
+    tasks.update((key, (_route_border, (b._name, key[1]), a._top_key,
+                        key[1] if a is b and frame_of is _frame_of_pairs else -1))
+                 for key in borders)
+    for p, pieces in enumerate(zip(*_send(tasks, name, borders, a.npartitions))):
+        tasks[name, p] = (frame_of, (a._name, p), list(pieces))
+    return _frame(name, tasks, [a, b], [(name, p) for p in range(a.npartitions)],
+                  {"i": np.int64, "j": np.int64})
 
-    Returns what BVH.query() does, as (i, j): rows of `a` and of `b`. To join boxes that
-    are in no BVH with a BVH, query it with them.
-    """
-    if a._width != b._width:
+
+def _check_dimensions(a: BVH, b: BVH) -> None:
+    if a._width and b._width and a._width != b._width:
         raise ValueError(f"a and b must have the same dimensions; they have "
                          f"{a._width // 2} and {b._width // 2}")
-    joins = ((_join_in, a._partitions[p], b._border(q, a._bounds[p]))
-             for p, q in zip(*hs.join(a._top, b._top)))
-    return a._run.pairs(joins, max_results, to)
 
 
-def scan(boxes, queries, *, quantized: bool = False,
-         client: distributed.Client | None = None):
+def join(a: BVH, b: BVH):
+    """Finds the pairs of an object of `a` and an object of `b` that overlap.
+
+    Returns a dask DataFrame with the columns "i" and "j", rows of `a` and of `b`, and a
+    partition for each of `a`. To join boxes that are in no BVH with a BVH, query it with
+    them.
+    """
+    _check_dimensions(a, b)
+    return _join(a, b, _frame_of_join, is_one=False)
+
+
+def join_batches(a: BVH, b: BVH, *, max_results: int = MAX_RESULTS, to=None):
+    """Finds the pairs of `join` at once, and returns what BVH.query_batches() does."""
+    _check_dimensions(a, b)
+    run = _Runner()
+    its, other = a._place(run), b._place(run)
+    joins = ((_join_in, its.partitions[p], run.border(other, q, p, its))
+             for p, q in zip(*hs.join(its.top.tree, other.top.tree)))
+    return run.pairs(joins, max_results, to)
+
+
+def scan(boxes, queries, *, quantized: bool = False):
     """Tests every box against every query, without a BVH: for few queries of boxes that
     are read once.
 
     boxes    as for BVH
     queries  (n, 6) or (n, 4): an array
 
-    Returns an iterator of (rows, ids), two int64 arrays: rows of `queries` and of
-    `boxes`. There is one for each chunk of boxes.
+    Returns a dask DataFrame with the columns "row" and "id", rows of `queries` and of
+    `boxes`, and a partition for each chunk of boxes.
     """
-    run = _Runner(client)
-    chunks, width = _chunks(boxes, "boxes", (4, 6))
+    source, queries = _source_of_scan(boxes, queries)
+    name = _name("scan")
+    its_queries = f"{name}-queries"
+    tasks: dict = {its_queries: queries}
+    found = [(f"{name}-found", chunk) for chunk in range(len(source.keys))]
+    tasks.update((key, (_scan, source.keys[key[1]], 0, source.where(key[1]), its_queries,
+                        quantized)) for key in found)
+    firsts = _firsts(tasks, name, source, found, operator.itemgetter(2))
+    for chunk, key in enumerate(found):
+        tasks[name, chunk] = (_frame_of_scan, key, firsts[chunk])
+    return _frame(name, tasks, source.collections,
+                  [(name, chunk) for chunk in range(len(found))],
+                  {"row": np.int64, "id": np.int64})
+
+
+def scan_batches(boxes, queries, *, quantized: bool = False):
+    """Finds what `scan` does at once, and returns an iterator of (rows, ids): two int64
+    arrays for each chunk of boxes."""
+    run = _Runner()
+    source, queries = _source_of_scan(boxes, queries)
+    return run.stream((run.submit(_scan, read(), first, source.where(chunk), queries,
+                                  quantized), lambda found: (found[:2], []))
+                      for chunk, first, read in run.chunks(source))
+
+
+def _source_of_scan(boxes, queries):
+    source = _source(boxes, "boxes", (4, 6))
     queries = _arrays.numbers(queries, "queries")
-    _chunks(queries, "queries", (width,))
+    _source(queries, "queries", (source.width,) if source.width else (4, 6))
     hs.BVH(queries)  # an error of a query is none of a chunk
-    return run.stream((run.submit(_scan, run.source(chunk), chunk.first, queries,
-                                  quantized), None) for chunk in chunks)
+    return source, queries
 
 
-def _scan(boxes, first: int, queries, quantized: bool):
-    boxes = _rows(boxes, "boxes", first)
-    scan = _in_chunk(first, lambda: hs.Scan(boxes, quantized=quantized))
+def _scan(boxes, first: int, where: str, queries, quantized: bool):
+    boxes = _rows(boxes, "boxes", where)
+    scan = _in_chunk(where, lambda: hs.Scan(boxes, quantized=quantized))
     rows, ids = scan.query(queries)
-    return rows, ids + first
+    return rows, ids + first, len(boxes)
+
+
+def _frame_of_scan(found: tuple, first: int):
+    return _pandas(None, None, {"row": found[0], "id": found[1] + first})

@@ -1,15 +1,17 @@
-"""Geometries of shapely in a BVH, by the calls of `shapely.STRtree` 2.
+"""Geometries in a BVH, by the calls of `shapely.STRtree` 2 and of geopandas.
 
-    from halfspace.geo import STRtree
+    from halfspace.geo import STRtree, sjoin
 
     tree = STRtree(polygons)
     rows, ids = tree.query(lines, predicate="intersects")
+    cities = sjoin(cities, countries, predicate="within")    # GeoDataFrames
 
 Works with shapely 1.8 and 2. Shapely 1.8 returns boxes and makes exact tests one by one,
 and takes longer for the box of a geometry than for a search. So with it a query takes
 longer than shapely's own. Shapely 2 does both in one call.
 """
 
+import warnings
 from typing import Any, Iterable, Optional, Tuple, Union
 
 import numpy as np
@@ -19,7 +21,7 @@ from shapely.prepared import prep  # type: ignore
 
 from ._bvh import BVH
 
-__all__ = ["STRtree"]
+__all__ = ["STRtree", "sjoin", "sjoin_nearest"]
 
 _PREDICATES = (
     "intersects",
@@ -246,6 +248,149 @@ class STRtree:
                 last, test = row, getattr(prep(a[i]), predicate)
             holds[i] = test(b[i])
         return holds
+
+
+def sjoin(
+    left_df: Any,
+    right_df: Any,
+    how: str = "inner",
+    predicate: Optional[str] = "intersects",
+    lsuffix: str = "left",
+    rsuffix: str = "right",
+    distance: Any = None,
+) -> Any:
+    """Joins two GeoDataFrames where a predicate of their geometries holds.
+
+    Parameters
+    ----------
+    left_df, right_df : GeoDataFrame
+    how : "inner", "left" or "right"
+        "left" also keeps the rows of `left_df` that join with none, and "right" those
+        of `right_df`. Their missing values are NaN or None. The result has the
+        geometries and the index of `left_df`, or with "right" of `right_df`.
+    predicate, distance
+        As in `STRtree.query`, of the left and the right geometry.
+    lsuffix, rsuffix : str
+        Columns that both frames have become `name_left` and `name_right`. The index
+        of the other frame becomes the column `index_right` or `index_left`, or for a
+        MultiIndex the columns `index_right0`, `index_right1` and so on.
+
+    Returns
+    -------
+    GeoDataFrame
+        With the columns of `geopandas.sjoin` in geopandas 0.12. The rows are in the
+        order of the frame whose index it has, then of the other frame.
+    """
+    _check_frames(left_df, right_df, how, lsuffix, rsuffix)
+    if predicate == "within":
+        # The same pairs, with fewer prepared geometries.
+        tree = STRtree(left_df.geometry)
+        right, left = tree.query(right_df.geometry, "contains", distance)
+    else:
+        tree = STRtree(right_df.geometry)
+        left, right = tree.query(left_df.geometry, predicate, distance)
+    return _joined(left_df, right_df, left, right, how, lsuffix, rsuffix)
+
+
+def sjoin_nearest(
+    left_df: Any,
+    right_df: Any,
+    how: str = "inner",
+    max_distance: Optional[float] = None,
+    lsuffix: str = "left",
+    rsuffix: str = "right",
+    distance_col: Optional[str] = None,
+    exclusive: bool = False,
+) -> Any:
+    """Joins each row of a GeoDataFrame with the nearest rows of another.
+
+    Finds the nearest right rows of each left row, or with how="right" the nearest left
+    rows of each right row. All rows at the same distance are found. `max_distance` and
+    `exclusive` are those of `STRtree.query_nearest`. The column `distance_col`, if it is
+    not None, gets the distances. Everything else is as in `sjoin`.
+    """
+    _check_frames(left_df, right_df, how, lsuffix, rsuffix)
+    its, other = (right_df, left_df) if how == "right" else (left_df, right_df)
+    (rows, ids), distances = STRtree(other.geometry).query_nearest(
+        its.geometry, max_distance, return_distance=True, exclusive=exclusive
+    )
+    left, right = (ids, rows) if how == "right" else (rows, ids)
+    joined = _joined(left_df, right_df, left, right, how, lsuffix, rsuffix, distances)
+    distances = joined.pop(_DISTANCES)
+    if distance_col is not None:
+        joined[distance_col] = distances
+    return joined
+
+
+_DISTANCES = "halfspace: distances"
+
+
+def _check_frames(left_df: Any, right_df: Any, how: str, lsuffix: str, rsuffix: str) -> None:
+    from geopandas import GeoDataFrame  # type: ignore
+
+    if how not in ("inner", "left", "right"):
+        raise ValueError(f'how: expected "inner", "left" or "right", got {how!r}')
+    for name, frame in (("left_df", left_df), ("right_df", right_df)):
+        if not isinstance(frame, GeoDataFrame):
+            raise ValueError(f"{name}: expected a GeoDataFrame, got {type(frame).__name__}")
+        for column in (f"index_{lsuffix}", f"index_{rsuffix}"):
+            if column in frame.columns:
+                raise ValueError(
+                    f"{name}: expected no column {column!r}, which the result can have"
+                )
+    if left_df.crs != right_df.crs:
+        warnings.warn(
+            f"left_df has the CRS {left_df.crs}, and right_df {right_df.crs}: convert one of "
+            "them with to_crs()",
+            UserWarning,
+            stacklevel=3,
+        )
+
+
+def _joined(
+    left_df: Any,
+    right_df: Any,
+    left: np.ndarray,
+    right: np.ndarray,
+    how: str,
+    lsuffix: str,
+    rsuffix: str,
+    distances: Optional[np.ndarray] = None,
+) -> Any:
+    """The frame of pairs of rows, and with distances their column."""
+    import pandas  # type: ignore
+
+    is_right = how == "right"
+    its, other = (right_df, left_df) if is_right else (left_df, right_df)
+    rows, ids = (right, left) if is_right else (left, right)
+    values = np.zeros(len(rows)) if distances is None else distances
+    if how != "inner":
+        alone = np.setdiff1d(np.arange(len(its)), rows)
+        rows = np.concatenate([rows, alone])
+        ids = np.concatenate([ids, np.full(len(alone), -1)])
+        values = np.concatenate([values, np.full(len(alone), np.nan)])
+    order = np.lexsort((ids, rows))
+    result = its.iloc[rows[order]]
+    added = pandas.DataFrame(other.drop(columns=other.geometry.name))
+    name = f"index_{lsuffix if is_right else rsuffix}"
+    levels = added.index.nlevels
+    added.index.names = [name] if levels == 1 else [f"{name}{i}" for i in range(levels)]
+    # No row has the number -1.
+    added = added.reset_index().reindex(ids[order])
+    added.index = result.index
+    both = result.columns.intersection(added.columns)
+    its_suffix, other_suffix = (rsuffix, lsuffix) if is_right else (lsuffix, rsuffix)
+    geometry = result.geometry.name
+    result = result.rename(columns={column: f"{column}_{its_suffix}" for column in both})
+    if geometry in both:
+        result = result.set_geometry(f"{geometry}_{its_suffix}")
+    added = added.rename(columns={column: f"{column}_{other_suffix}" for column in both})
+    geometry = result.geometry.name
+    parts = [added, result] if is_right else [result, added]
+    joined = type(its)(pandas.concat(parts, axis=1), geometry=geometry, crs=its.crs)
+    if distances is not None:
+        joined[_DISTANCES] = values[order]
+    return joined
 
 
 def _array_of(geometries: Iterable[Any], name: str) -> np.ndarray:

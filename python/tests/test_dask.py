@@ -1,6 +1,9 @@
-"""halfspace.dask on a cluster of two processes: results are those of one process."""
+"""halfspace.dask: results are those of one process. Lazy calls are computed in this process,
+and calls in batches on a cluster of two processes."""
 
+import math
 import os
+import pickle
 import signal
 
 import numpy as np
@@ -9,7 +12,10 @@ import pytest
 distributed = pytest.importorskip("distributed")
 
 import dask.array  # noqa: E402
+import dask.core  # noqa: E402
+import dask.dataframe  # noqa: E402
 import dask.sizeof  # noqa: E402
+import pandas as pd  # noqa: E402
 
 import halfspace as hs  # noqa: E402
 import halfspace.dask as hd  # noqa: E402
@@ -71,17 +77,17 @@ def test_answers_are_those_of_one_process(client, world, dims):
     tree = hd.BVH(chunked(boxes), partitions=5)
     one = hs.BVH(boxes)
     assert len(tree) == 5000
-    assert tree.sizes.sum() == 5000
+    assert tree.sizes.compute().sum() == 5000
 
-    np.testing.assert_array_equal(pairs_of(tree.query(chunked(probes))),
+    np.testing.assert_array_equal(pairs_of(tree.query_batches(chunked(probes))),
                                   pairs_of([one.query(probes)]))
     i, j = one.pairs()
-    np.testing.assert_array_equal(pairs_of(tree.pairs()),
+    np.testing.assert_array_equal(pairs_of(tree.pairs_batches()),
                                   pairs_of([(np.minimum(i, j), np.maximum(i, j))]))
     other = hd.BVH(probes, partitions=3)
-    np.testing.assert_array_equal(pairs_of(hd.join(tree, other)),
+    np.testing.assert_array_equal(pairs_of(hd.join_batches(tree, other)),
                                   pairs_of([hs.join(one, hs.BVH(probes))]))
-    np.testing.assert_array_equal(pairs_of(hd.scan(chunked(boxes), probes[:10])),
+    np.testing.assert_array_equal(pairs_of(hd.scan_batches(chunked(boxes), probes[:10])),
                                   pairs_of([one.query(probes[:10])]))
 
 
@@ -96,7 +102,7 @@ def test_nearest_is_that_of_one_process(client, world, k, max_distance):
     ids, distances = hs.BVH(boxes).nearest(points, k=k, max_distance=max_distance)
     distances = distances.reshape(len(points), k)
     seen = np.zeros(len(points), bool)
-    for rows, found, far in tree.nearest(chunked(points, 250), k, max_distance):
+    for rows, found, far in tree.nearest_batches(chunked(points, 250), k, max_distance):
         seen[rows] = True
         np.testing.assert_array_equal(far, distances[rows])
         assert ((found < 0) == np.isinf(far)).all()
@@ -109,18 +115,199 @@ def test_nearest_is_that_of_one_process(client, world, k, max_distance):
     assert seen.all()
 
 
+def table(frame, *columns):
+    """The sorted rows of a lazy result."""
+    found = frame.compute().reset_index()[list(columns)].to_numpy()
+    return found[np.lexsort((found[:, 1], found[:, 0]))]
+
+
+@pytest.fixture
+def no_client(monkeypatch):
+    """As in a program that never made a client."""
+    def fail(*_):
+        raise ValueError("No clients found")
+
+    monkeypatch.setattr(distributed, "get_client", fail)
+    with dask.config.set(scheduler="sync"):
+        yield
+
+
+@pytest.mark.parametrize("partitions", [1, 5, 40])
+@pytest.mark.parametrize("world", WORLDS)
+def test_lazy_answers_are_those_of_one_process(no_client, world, partitions):
+    rng = np.random.default_rng(11)
+    boxes, probes = world(rng, 3000, 2), world(rng, 2100, 2)
+    one = hs.BVH(boxes)
+    tree = hd.BVH(chunked(boxes, 400), partitions)
+    assert dask.is_dask_collection(tree) and len(tree) == 3000
+    assert tree.npartitions == partitions
+    assert tree.sizes.compute().sum() == 3000
+    tree = tree.persist()
+    found = tree.query(chunked(probes, 300))
+    assert found.divisions == (*range(0, 2100, 300), 2099)
+    np.testing.assert_array_equal(table(found, "row", "id"),
+                                  pairs_of([one.query(probes)]))
+    some = found.loc[900:1000].compute()
+    assert len(some) == one.count(probes[900:1001]).sum()
+    np.testing.assert_array_equal(table(tree.pairs(), "i", "j"), pairs_of([one.pairs()]))
+    other = hd.BVH(probes, partitions // 2 + 1)
+    np.testing.assert_array_equal(table(hd.join(tree, other), "i", "j"),
+                                  pairs_of([hs.join(one, hs.BVH(probes))]))
+    np.testing.assert_array_equal(table(hd.join(tree, tree), "i", "j"),
+                                  pairs_of([hs.join(one, one)]))
+    np.testing.assert_array_equal(table(hd.scan(chunked(boxes), probes[:10]), "row", "id"),
+                                  pairs_of([one.query(probes[:10])]))
+    # All of them again, as one tree.
+    np.testing.assert_array_equal(tree.compute().boxes(), one.boxes())
+
+
+@pytest.mark.parametrize("k, max_distance", [(1, np.inf), (8, 0.02), (300, np.inf)])
+@pytest.mark.parametrize("are_points", [True, False])
+def test_lazy_nearest_is_that_of_one_process(no_client, k, max_distance, are_points):
+    rng = np.random.default_rng(12)
+    boxes = special(rng, 1500)
+    points = rng.random((900, 3)) * 1.4 - 0.2
+    if not are_points:
+        points = np.hstack([points, points + 0.01])
+    one = hs.BVH(boxes)
+    ids, distances = one.nearest(points, k=k, max_distance=max_distance)
+    for partitions in (4, 20):
+        found = hd.BVH(boxes, partitions).nearest(chunked(points, 250), k, max_distance)
+        assert found.divisions == (0, 250, 500, 750, 899)
+        found = found.compute()
+        np.testing.assert_array_equal(found.index, np.nonzero(ids >= 0)[0])
+        np.testing.assert_array_equal(found["distance"], distances[ids >= 0])
+        # Ties may be others.
+        rows, near = found.index.to_numpy(), found["id"].to_numpy()
+        assert len(np.unique(rows * 2000 + near)) == len(rows)
+        gaps = np.maximum(boxes[near, :3] - points[rows, -3:], points[rows, :3] - boxes[near, 3:])
+        exact = np.linalg.norm(np.maximum(gaps, 0), axis=1)
+        np.testing.assert_allclose(exact, found["distance"], rtol=1e-4, atol=1e-6)
+
+
+def test_a_tree_is_a_collection(client):
+    rng = np.random.default_rng(13)
+    boxes, probes = uniform(rng, 3000), uniform(rng, 500)
+    one = hs.BVH(boxes)
+    expected = pairs_of([one.query(probes)])
+    lazy = hd.BVH(chunked(boxes), partitions=4)
+    assert dask.base.tokenize(lazy) != dask.base.tokenize(hd.BVH(boxes, 4))
+    tree = lazy.persist()
+    assert isinstance(tree, hd.BVH) and len(tree.__dask_graph__().to_dict()) == 5
+    assert len(distributed.futures_of(tree)) == 5
+    for its in (lazy, tree, pickle.loads(pickle.dumps(lazy)), dask.optimize(lazy)[0],
+                dask.graph_manipulation.clone(lazy)):
+        np.testing.assert_array_equal(
+            table(its.query(probes), "row", "id"), expected)
+    # A function of dask.delayed gets one tree, and a task the collection.
+    count = dask.delayed(lambda tree, boxes: tree.count(boxes).sum())
+    assert count(tree, probes).compute() == len(expected)
+    assert client.submit(lambda tree: len(tree.query(probes).compute()),
+                         tree).result() == len(expected)
+    both = dask.compute(tree.query(probes), tree.nbytes, tree.bounds)
+    assert len(both[0]) == len(expected) and both[2].shape == (4, 6)
+    # Files of the frame's partitions, by the workers.
+    assert tree.query(chunked(probes, 100)).map_partitions(len).compute().sum() == len(expected)
+
+
+def frame_of(boxes, names):
+    return pd.DataFrame(boxes, columns=names.split())
+
+
+BBOX = "xmin ymin xmax ymax"
+SOURCES = {
+    "unknown chunk sizes": lambda boxes, tmp: chunked(boxes)[dask.array.from_array(
+        np.ones(len(boxes), bool), chunks=700)],
+    "delayed arrays": lambda boxes, tmp: [dask.delayed(part) for part in
+                                          np.array_split(boxes, 4)],
+    "a delayed array": lambda boxes, tmp: dask.delayed(boxes),
+    "a frame of dask": lambda boxes, tmp: dask.dataframe.from_pandas(
+        frame_of(boxes[:, [2, 0, 3, 1]], "maxx minx maxy miny"), npartitions=3),
+    "a frame of pandas": lambda boxes, tmp: frame_of(boxes, BBOX).assign(name="x"),
+    "columns without these names": lambda boxes, tmp: frame_of(boxes, "a b c d"),
+    "GeoParquet": lambda boxes, tmp: [tmp / "a.parquet", tmp / "b.parquet"],
+}
+
+
+@pytest.mark.parametrize("partitions", [1, 3, 17])
+@pytest.mark.parametrize("source", SOURCES)
+def test_lazy_sources(no_client, tmp_path, monkeypatch, source, partitions):
+    def read_parquet(path):
+        half = boxes[:500] if path.endswith("a.parquet") else boxes[500:]
+        bbox = [dict(zip(BBOX.split(), map(float, box))) for box in half]
+        return pd.DataFrame({"name": "x", "bbox": bbox})
+
+    # Debian 12 has no package that reads Parquet.
+    monkeypatch.setattr(pd, "read_parquet", read_parquet)
+    rng = np.random.default_rng(14)
+    boxes = uniform(rng, 2000, 2)
+    # x_min < y_min, ..., so that swapped columns have other answers.
+    boxes[:, 1::2] += 3
+    expected = pairs_of([hs.BVH(boxes).query(boxes)])
+    its = SOURCES[source](boxes, tmp_path)
+    tree = hd.BVH(its, partitions)
+    for probes in (boxes, its):
+        np.testing.assert_array_equal(table(tree.query(probes), "row", "id"), expected)
+    np.testing.assert_array_equal(table(hd.scan(its, boxes[:9]), "row", "id"),
+                                  pairs_of([hs.BVH(boxes).query(boxes[:9])]))
+    assert len(tree) == 2000
+
+
+def test_geometries(client):
+    """Frames of geopandas, and by their interface those of dask-geopandas."""
+    geopandas = pytest.importorskip("geopandas")
+    from shapely.geometry import Polygon, box
+
+    rng = np.random.default_rng(15)
+    boxes = uniform(rng, 300, 2)
+    frame = geopandas.GeoDataFrame(
+        {"name": range(302)}, geometry=[*(box(*b) for b in boxes), None, Polygon()])
+    parts = [dask.delayed(frame[:200]), dask.delayed(frame[200:])]
+    probes = uniform(rng, 50, 2)
+    expected = pairs_of([hs.BVH(boxes).query(probes)])
+    for source in (frame, frame.geometry, parts):
+        found = hd.BVH(source, partitions=3)
+        np.testing.assert_array_equal(table(found.query(probes), "row", "id"), expected)
+        np.testing.assert_array_equal(pairs_of(found.query_batches(probes)), expected)
+
+
+def test_large_joins_have_few_tasks(no_client):
+    """A scheduler without work: every result is an empty frame."""
+    many = 1000
+    boxes = dask.array.zeros((many, 6), chunks=(1, 6))
+    ready = []
+
+    def get(graph, keys, **_):
+        graph = dict(graph)
+        done = dask.core.toposort(graph)  # raises if there is a cycle
+        assert len(done) == len(graph)
+        ready.append(len(done))
+        empty = pd.DataFrame({"id": np.empty(0, np.int64)})
+        return [[empty for _ in its] for its in keys]
+
+    tree = hd.BVH(boxes, partitions=many)
+    query = tree.query(boxes)
+    query.compute(scheduler=get)
+    # With the tasks of the build. Trips are those to all partitions, and back.
+    for result, trips in ((tree, 1), (query, 3), (tree.nearest(boxes), 5), (tree.pairs(), 2)):
+        tasks = len(result.__dask_graph__())
+        assert tasks < 2_000_000
+        assert tasks / many < (2 * trips + 1) * math.sqrt(many) + 20
+    assert ready[0] <= len(query.__dask_graph__())
+
+
 def test_partitions_share_skewed_work(client):
     rng = np.random.default_rng(3)
     boxes = skewed(rng, 20000)
     for balance in ("objects", "pairs"):
-        sizes = hd.BVH(chunked(boxes, 5000), partitions=8, balance=balance).sizes
+        sizes = hd.BVH(chunked(boxes, 5000), partitions=8, balance=balance).sizes.compute()
         assert sizes.max() < 1.5 * 20000 / 8 * (2 if balance == "pairs" else 1)
     # A dense knot has nearly all pairs: it becomes more partitions by pairs.
     knot = uniform(rng, 20000, size=0.001)
     knot[:2000] = uniform(rng, 2000, size=0.2) * 0.1
     def most_pairs(balance):
         tree = hd.BVH(chunked(knot, 5000), partitions=8, balance=balance)
-        return max(hs.BVH(knot[:2000]).count(bounds[None])[0] for bounds in tree.bounds)
+        return max(hs.BVH(knot[:2000]).count(bounds[None])[0] for bounds in tree.bounds.compute())
     assert most_pairs("pairs") < 0.7 * most_pairs("objects")
 
 
@@ -133,31 +320,31 @@ def test_batches_are_bounded(client):
     most_of_row = one.count(boxes).max()
     assert most_of_row == 3000
     tree = hd.BVH(boxes, partitions=2)
-    batches = list(tree.query(boxes, max_results=500))
+    batches = list(tree.query_batches(boxes, max_results=500))
     assert all(len(rows) <= 500 or (rows == rows[0]).all() for rows, _ in batches)
     np.testing.assert_array_equal(pairs_of(batches), expected)
 
 
-def test_few_batches_wait(client):
+def test_few_batches_wait(client, monkeypatch):
     """A range of rows is searched when a batch before it was taken."""
     rng = np.random.default_rng(10)
     boxes = uniform(rng, 2000, size=0.3)
     expected = pairs_of([hs.BVH(boxes).query(boxes)])
     tree = hd.BVH(boxes, partitions=1)
     submitted = []
-    submit = tree._run.submit
+    submit = hd._Runner.submit
 
-    def count(function, *arguments):
+    def count(run, function, *arguments):
         submitted.append(function)
-        return submit(function, *arguments)
+        return submit(run, function, *arguments)
 
-    tree._run.submit = count
-    batches = tree.query(boxes, max_results=2000)
+    monkeypatch.setattr(hd._Runner, "submit", count)
+    batches = tree.query_batches(boxes, max_results=2000)
     found = []
     for batch in batches:
         found.append(batch)
         # Two tasks for each thread run or wait.
-        assert submitted.count(hd._some_pairs) < len(found) + 2 * tree._run.threads
+        assert submitted.count(hd._some_pairs) < len(found) + 2 * 2
     assert len(found) > 50
     np.testing.assert_array_equal(pairs_of(found), expected)
 
@@ -188,8 +375,8 @@ def test_workers_write_files(client, tmp_path):
     rng = np.random.default_rng(5)
     boxes = uniform(rng, 3000, size=0.1)
     tree = hd.BVH(boxes, partitions=3)
-    others = tree.query(boxes[:1], to=tmp_path / "pairs")
-    paths = tree.pairs(max_results=1000, to=tmp_path / "pairs")
+    others = tree.query_batches(boxes[:1], to=tmp_path / "pairs")
+    paths = tree.pairs_batches(max_results=1000, to=tmp_path / "pairs")
     assert len(os.listdir(tmp_path / "pairs")) == len(paths) + len(others)
     for path in others:
         os.unlink(path)
@@ -210,23 +397,25 @@ def test_sources(client, tmp_path):
         np.save(paths[-1], boxes[begin:] if n == 2 else boxes[begin:begin + 1000 * (n == 0)])
     np.save(tmp_path / "all.npy", boxes)
     for source in (boxes, boxes.tolist(), paths, tmp_path / "all.npy", dask.array.from_array(boxes, (800, 2))):
-        found = hd.BVH(source, partitions=4).query(boxes[:50])
+        found = hd.BVH(source, partitions=4).query_batches(boxes[:50])
         np.testing.assert_array_equal(pairs_of(found), expected)
 
 
 def test_mapped_partitions(client):
     rng = np.random.default_rng(7)
     boxes = uniform(rng, 3000)
-    tree = hd.BVH(boxes, partitions=3, mapped=True)
+    tree = hd.BVH(boxes, partitions=3, mapped=True).persist()
+    distributed.wait(tree)
     sizes = client.run(lambda dask_worker: [dask.sizeof.sizeof(value)
                                             for value in dask_worker.data.values()
                                             if isinstance(value, hd._Partition)])
     sizes = sum(sizes.values(), [])
-    assert len(sizes) == 3 and max(sizes) < 3000 * 8 < tree.nbytes
+    assert len(sizes) == 3 and max(sizes) < 3000 * 8 < tree.nbytes.compute()
     # A copy is in memory.
-    copy = tree._partitions[0].result()
+    copy = distributed.futures_of(tree)[0].result()
+    assert isinstance(copy, hd._Partition)
     assert dask.sizeof.sizeof(copy) == copy.tree.nbytes + copy.rows.nbytes
-    np.testing.assert_array_equal(pairs_of(tree.query(boxes)),
+    np.testing.assert_array_equal(pairs_of(tree.query_batches(boxes)),
                                   pairs_of([hs.BVH(boxes).query(boxes)]))
 
 
@@ -234,17 +423,17 @@ def test_few_objects(client):
     nothing = np.empty((0, 6))
     tree = hd.BVH(nothing)
     assert len(tree) == 0
-    assert list(tree.query(np.ones((3, 6)))) == [] and list(tree.pairs()) == []
-    (rows, ids, distances), = tree.nearest(np.zeros((2, 3)), k=2)
+    assert list(tree.query_batches(np.ones((3, 6)))) == [] and list(tree.pairs_batches()) == []
+    (rows, ids, distances), = tree.nearest_batches(np.zeros((2, 3)), k=2)
     assert rows.tolist() == [0, 1]
     assert (ids == -1).all() and np.isinf(distances).all()
     # Equal boxes are in one partition, and the others are empty.
     same = hd.BVH(np.tile([0, 0, 0, 1, 1, 1.0], (5, 1)), partitions=3)
-    (rows, ids, distances), = same.nearest([[0, 0, 0], [np.inf, 0, 0]], k=10)
+    (rows, ids, distances), = same.nearest_batches([[0, 0, 0], [np.inf, 0, 0]], k=10)
     assert ids.tolist() == [[0, 1, 2, 3, 4] + [-1] * 5, [-1] * 10]
     tree = hd.BVH(np.ones((2, 6)), partitions=8)
-    assert pairs_of(tree.pairs()).tolist() == [[0, 1]]
-    assert list(tree.query(nothing)) == []
+    assert pairs_of(tree.pairs_batches()).tolist() == [[0, 1]]
+    assert list(tree.query_batches(nothing)) == []
 
 
 def test_a_killed_worker_loses_nothing(client):
@@ -252,7 +441,7 @@ def test_a_killed_worker_loses_nothing(client):
     boxes = uniform(rng, 30000)
     expected = pairs_of([hs.BVH(boxes).query(boxes)])
     tree = hd.BVH(chunked(boxes, 5000), partitions=6)
-    batches = tree.query(chunked(boxes, 1000), max_results=1000)
+    batches = tree.query_batches(chunked(boxes, 1000), max_results=1000)
     found = list(batches.__next__() for _ in range(3))
     workers = client.run(os.getpid)
     os.kill(next(iter(workers.values())), signal.SIGKILL)
@@ -271,18 +460,18 @@ MASKED = np.ma.array(np.ones((2, 6)), mask=np.ones((2, 6)))
 
 @pytest.mark.parametrize("call", [
     lambda: hd.BVH(MASKED),
-    lambda: hd.BVH(dask.array.from_array(MASKED, asarray=False), partitions=1),
-    lambda: hd.BVH(dask.array.from_array(MASKED, asarray=False), partitions=2),
-    lambda: list(hd.BVH(np.ones((3, 6))).query(MASKED)),
-    lambda: list(hd.BVH(np.ones((3, 6))).query(
+    lambda: hd.BVH(dask.array.from_array(MASKED, asarray=False), partitions=1).compute(),
+    lambda: hd.BVH(dask.array.from_array(MASKED, asarray=False), partitions=2).persist().compute(),
+    lambda: list(hd.BVH(np.ones((3, 6))).query_batches(MASKED)),
+    lambda: list(hd.BVH(np.ones((3, 6))).query_batches(
         dask.array.from_array(MASKED, asarray=False))),
-    lambda: list(hd.BVH(np.ones((3, 6))).nearest(MASKED[:, :3])),
-    lambda: list(hd.BVH(np.ones((3, 6))).nearest(
+    lambda: list(hd.BVH(np.ones((3, 6))).nearest_batches(MASKED[:, :3])),
+    lambda: list(hd.BVH(np.ones((3, 6))).nearest_batches(
         dask.array.from_array(MASKED[:, :3], asarray=False))),
-    lambda: list(hd.BVH(np.ones((3, 6))).nearest(np.ones((3, 3)), k=np.ma.array(1, mask=1))),
-    lambda: list(hd.scan(np.ones((3, 6)), MASKED)),
-    lambda: list(hd.scan(MASKED, np.ones((3, 6)))),
-    lambda: list(hd.scan(dask.array.from_array(MASKED, asarray=False), np.ones((3, 6)))),
+    lambda: list(hd.BVH(np.ones((3, 6))).nearest_batches(np.ones((3, 3)), k=np.ma.array(1, mask=1))),
+    lambda: list(hd.scan_batches(np.ones((3, 6)), MASKED)),
+    lambda: list(hd.scan_batches(MASKED, np.ones((3, 6)))),
+    lambda: list(hd.scan_batches(dask.array.from_array(MASKED, asarray=False), np.ones((3, 6)))),
 ])
 def test_masked_values_are_refused(client, call):
     with pytest.raises(TypeError, match="expected no masked values"):
@@ -293,16 +482,16 @@ def test_masked_values_are_refused(client, call):
     (lambda: hd.BVH(np.ones((3, 5))), r"boxes must have the shape \(n, 4\) or \(n, 6\)"),
     (lambda: hd.BVH(np.ones((3, 6)), balance="fair"), "balance must be"),
     (lambda: hd.BVH(np.ones((3, 6)), partitions=0), "partitions: expected an integer from 1"),
-    (lambda: hd.scan(np.ones((3, 6)), np.full((1, 6), np.nan)), "boxes.0.: .*NaN"),
-    (lambda: hd.BVH(np.ones((3, 6))).query(np.ones((3, 4))), "boxes must have the shape"),
-    (lambda: hd.BVH(np.ones((3, 6))).query(np.ones((3, 6)), max_results=0), "max_results"),
-    (lambda: list(hd.BVH(np.ones((3, 6))).nearest(np.ones((3, 3)), k=0)), "k: expected an integer from 1"),
-    (lambda: list(hd.BVH(np.ones((3, 6))).nearest(np.ones((3, 3)), max_distance=-1)),
+    (lambda: hd.scan_batches(np.ones((3, 6)), np.full((1, 6), np.nan)), "boxes.0.: .*NaN"),
+    (lambda: hd.BVH(np.ones((3, 6))).query_batches(np.ones((3, 4))), "boxes must have the shape"),
+    (lambda: hd.BVH(np.ones((3, 6))).query_batches(np.ones((3, 6)), max_results=0), "max_results"),
+    (lambda: list(hd.BVH(np.ones((3, 6))).nearest_batches(np.ones((3, 3)), k=0)), "k: expected an integer from 1"),
+    (lambda: list(hd.BVH(np.ones((3, 6))).nearest_batches(np.ones((3, 3)), max_distance=-1)),
      "max_distance"),
-    (lambda: hd.join(hd.BVH(np.ones((3, 6))), hd.BVH(np.ones((3, 4)))), "same dimensions"),
-    (lambda: list(hd.BVH(np.ones((3, 6))).query(
+    (lambda: hd.join_batches(hd.BVH(np.ones((3, 6))), hd.BVH(np.ones((3, 4)))), "same dimensions"),
+    (lambda: list(hd.BVH(np.ones((3, 6))).query_batches(
         chunked(np.array([[1.0] * 6, [np.nan] * 6]), 1))), "chunk that begins at row 1"),
-    (lambda: hd.BVH(chunked(np.array([[1.0] * 6] * 3 + [[np.nan] * 6]), 2), partitions=2),
+    (lambda: hd.BVH(chunked(np.array([[1.0] * 6] * 3 + [[np.nan] * 6]), 2), partitions=2).compute(),
      "row 3 of boxes: .*NaN"),
 ])
 def test_bad_input(client, call, message):

@@ -195,3 +195,98 @@ def test_is_pickled():
 def test_errors(call, error, message):
     with pytest.raises(error, match=message):
         call()
+
+
+def frame_of(count, seed, names, index=None):
+    geopandas = pytest.importorskip("geopandas")
+    random = np.random.default_rng(seed)
+    columns = {name: random.integers(0, 100, count) for name in names}
+    return geopandas.GeoDataFrame(columns, geometry=some(count, seed), index=index)
+
+
+def frames():
+    """Pairs of frames: with a common column, a name of the index, a MultiIndex, other
+    names of geometries, and no row."""
+    pandas = pytest.importorskip("pandas")
+    left = frame_of(60, 3, ["a", "both"], np.arange(60)[::-1] * 3)
+    right = frame_of(80, 4, ["both", "c"])
+    letters = right.set_index(pandas.Index([f"r{i % 30}" for i in range(80)], name="of"))
+    two = left.set_index(pandas.MultiIndex.from_arrays([range(60), ["x"] * 60], names=["p", "q"]))
+    shapes = right.rename_geometry("shape")
+    return [(left, right), (left, letters), (two, letters), (left, shapes), (shapes, two),
+            (left, right[:0]), (left[:0], right)]
+
+
+def same(found, expected):
+    """Whether the frames are equal, up to the order of rows."""
+    pandas = pytest.importorskip("pandas")
+    assert type(found) is type(expected)
+    assert found.geometry.name == expected.geometry.name and found.crs == expected.crs
+    assert list(found.columns) == list(expected.columns)
+    assert found.index.names == expected.index.names
+    rows = []
+    for frame in (found, expected):
+        table = pandas.DataFrame(frame).reset_index()
+        table[frame.geometry.name] = [g and g.wkt for g in frame.geometry]
+        table = table.astype(object).where(table.notna(), None).astype(str)
+        rows.append(sorted(v.replace(".0", "") for v in table.agg("|".join, axis=1))
+                    if len(table) else [])
+    assert rows[0] == rows[1]
+
+
+@pytest.mark.parametrize("how", ["inner", "left", "right"])
+@pytest.mark.parametrize("number", range(7))
+def test_sjoin_is_that_of_geopandas(how, number):
+    geopandas = pytest.importorskip("geopandas")
+    pytest.importorskip("rtree")
+    left, right = frames()[number]
+    for predicate in ("intersects", "within", "contains", "touches", "covers"):
+        options = {"how": how, "predicate": predicate, "lsuffix": "l", "rsuffix": "r"}
+        found = geo.sjoin(left, right, **options)
+        same(found, geopandas.sjoin(left, right, **options))
+        kept = right if how == "right" else left
+        places = {key: row for row, key in reversed(list(enumerate(kept.index)))}
+        if kept.index.is_unique:
+            rows = [places[key] for key in found.index]
+            assert rows == sorted(rows)
+    same(geo.sjoin(left, right), geopandas.sjoin(left, right))
+
+
+@pytest.mark.parametrize("how", ["inner", "left", "right"])
+@pytest.mark.parametrize("max_distance", [None, 0.5])
+def test_sjoin_nearest(how, max_distance):
+    pandas = pytest.importorskip("pandas")
+    left, right = frame_of(40, 5, ["a"]), frame_of(30, 6, ["c"])
+    its, other = (right, left) if how == "right" else (left, right)
+    expected = []
+    for i, a in enumerate(its.geometry):
+        near = [a.distance(b) if is_there(a) and is_there(b) else np.inf for b in other.geometry]
+        least = min(near)
+        if least < np.inf and least <= (max_distance or np.inf):
+            expected += [(i, j, least) for j, d in enumerate(near) if d == least]
+        elif how != "inner":
+            expected.append((i, -1, -1.0))
+    found = geo.sjoin_nearest(left, right, how, max_distance, distance_col="far")
+    assert list(found.columns) == (["index_left", "a", "c", "geometry", "far"] if how == "right"
+                                   else ["a", "geometry", "index_right", "c", "far"])
+    ids = found["index_left" if how == "right" else "index_right"].fillna(-1).astype(int)
+    assert list(zip(found.index, ids, found["far"].fillna(-1))) == expected
+    pandas.testing.assert_frame_equal(
+        geo.sjoin_nearest(left, right, how, max_distance), found.drop(columns="far"))
+
+
+def test_sjoin_errors():
+    frame = frame_of(3, 7, ["a"])
+    with pytest.raises(ValueError, match="how: expected"):
+        geo.sjoin(frame, frame, "outer")
+    with pytest.raises(ValueError, match="right_df: expected a GeoDataFrame, got ndarray"):
+        geo.sjoin(frame, np.ones(3))
+    with pytest.raises(ValueError, match="left_df: expected no column 'index_right'"):
+        geo.sjoin(frame.assign(index_right=1), frame)
+    with pytest.raises(ValueError, match="predicate: 'near'"):
+        geo.sjoin(frame, frame, predicate="near")
+    with pytest.warns(UserWarning, match="left_df has the CRS None, and right_df EPSG:4326"):
+        geo.sjoin(frame, frame.set_crs("EPSG:4326"))
+    near = geo.sjoin(frame, frame, predicate="dwithin", distance=100)
+    there = sum(map(is_there, frame.geometry))
+    assert len(near) == there**2
