@@ -45,11 +45,21 @@ build_preset() {
   step "build $folder" cmake --build "$root/build/$folder" "${choice[@]}"
 }
 
+# Two programs that start at once would each start a server of wine, and one of them then
+# looks for its socket in the other's folder. The server ends a minute after the last program.
+# Its status is 2 if it runs already.
+start_wine() {
+  local prefix=$root/build/windows/wine
+  mkdir -p "$prefix"
+  env WINEPREFIX="$prefix" PATH="$PATH:/usr/lib/wine" wineserver --persistent=60 || [ $? -eq 2 ]
+}
+
 # test_preset PRESET [-B FOLDER] [CTEST ARGUMENT...]: says how many tests failed, and
 # shows what they said. With `show_all` the output of ctest is shown, and not in a log.
 test_preset() {
   local preset=$1 folder=$1 run
   shift
+  if [ "$preset" = windows ]; then step "start wine" start_wine; fi
   run=(env -C "$root" ctest --preset "$preset")
   if [ "${1-}" = -B ]; then
     folder=$2
