@@ -7,64 +7,46 @@ static const float kBoxes[] = {0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3};
 
 // Programs that were compiled with an older header pass these structs.
 #if UINTPTR_MAX == UINT64_MAX
-#define CHECK_OFFSET(type, field, offset) \
+#define OFFSETS1(type, field, offset) \
   _Static_assert(offsetof(type, field) == (offset), #type)
-CHECK_OFFSET(hs_allocator, allocate, 0);
-CHECK_OFFSET(hs_allocator, deallocate, 8);
-CHECK_OFFSET(hs_allocator, context, 16);
-CHECK_OFFSET(hs_columns, type, 0);
-CHECK_OFFSET(hs_columns, count, 8);
-CHECK_OFFSET(hs_columns, stride, 16);
-CHECK_OFFSET(hs_columns, column, 24);
+#define OFFSETS2(type, field, offset, ...) \
+  OFFSETS1(type, field, offset);           \
+  OFFSETS1(type, __VA_ARGS__)
+#define OFFSETS3(type, field, offset, ...) \
+  OFFSETS1(type, field, offset);           \
+  OFFSETS2(type, __VA_ARGS__)
+#define OFFSETS4(type, field, offset, ...) \
+  OFFSETS1(type, field, offset);           \
+  OFFSETS3(type, __VA_ARGS__)
+#define OFFSETS5(type, field, offset, ...) \
+  OFFSETS1(type, field, offset);           \
+  OFFSETS4(type, __VA_ARGS__)
+#define OFFSETS6(type, field, offset, ...) \
+  OFFSETS1(type, field, offset);           \
+  OFFSETS5(type, __VA_ARGS__)
+#define OFFSETS7(type, field, offset, ...) \
+  OFFSETS1(type, field, offset);           \
+  OFFSETS6(type, __VA_ARGS__)
+OFFSETS3(hs_allocator, allocate, 0, deallocate, 8, context, 16);
+OFFSETS4(hs_columns, type, 0, count, 8, stride, 16, column, 24);
 _Static_assert(sizeof(hs_columns) == 96, "hs_columns");
-CHECK_OFFSET(hs_bound_options, tightest, 8);
-CHECK_OFFSET(hs_bound_options, empty_if_inverted, 12);
-CHECK_OFFSET(hs_bound_options, target, 16);
-CHECK_OFFSET(hs_scan_config, kind, 8);
-CHECK_OFFSET(hs_scan_config, bits, 12);
-CHECK_OFFSET(hs_scan_config, allocator, 16);
-CHECK_OFFSET(hs_scan_options, begin, 8);
-CHECK_OFFSET(hs_scan_options, end, 16);
-CHECK_OFFSET(hs_scan_options, skip, 24);
-CHECK_OFFSET(hs_scan_options, target, 32);
-CHECK_OFFSET(hs_bvh_config, kind, 8);
-CHECK_OFFSET(hs_bvh_config, quality, 12);
-CHECK_OFFSET(hs_bvh_config, target, 16);
-CHECK_OFFSET(hs_bvh_config, run, 24);
-CHECK_OFFSET(hs_bvh_config, run_context, 32);
-CHECK_OFFSET(hs_bvh_config, allocator, 40);
-CHECK_OFFSET(hs_query_options, mask, 8);
-CHECK_OFFSET(hs_query_options, shape, 12);
-CHECK_OFFSET(hs_query_options, skip, 16);
-CHECK_OFFSET(hs_query_options, target, 24);
-CHECK_OFFSET(hs_query_options, exclusive, 32);
-CHECK_OFFSET(hs_id_pair, b, 4);
-CHECK_OFFSET(hs_pair_options, mask, 8);
-CHECK_OFFSET(hs_pair_options, margin, 12);
-CHECK_OFFSET(hs_pair_options, skip, 16);
-CHECK_OFFSET(hs_pair_options, begin, 24);
-CHECK_OFFSET(hs_pair_options, end, 32);
-CHECK_OFFSET(hs_pair_options, target, 40);
-CHECK_OFFSET(hs_pair_options, wanted, 48);
-CHECK_OFFSET(hs_pair_event_options, mask, 8);
-CHECK_OFFSET(hs_pair_event_options, margin, 12);
-CHECK_OFFSET(hs_pair_event_options, target, 16);
-CHECK_OFFSET(hs_pair_event_options, run, 24);
-CHECK_OFFSET(hs_pair_event_options, run_context, 32);
-CHECK_OFFSET(hs_body_masks, collides_with, 4);
-CHECK_OFFSET(hs_broad_phase_config, kind, 8);
-CHECK_OFFSET(hs_broad_phase_config, moves_wait_for_update, 12);
-CHECK_OFFSET(hs_broad_phase_config, caller_locks, 16);
-CHECK_OFFSET(hs_broad_phase_config, keep, 24);
-CHECK_OFFSET(hs_broad_phase_config, keep_context, 32);
-CHECK_OFFSET(hs_broad_phase_config, allocator, 40);
-CHECK_OFFSET(hs_update_options, budget, 8);
-CHECK_OFFSET(hs_update_options, run, 16);
-CHECK_OFFSET(hs_update_options, run_context, 24);
-CHECK_OFFSET(hs_body_statistics, bodies, 8);
-CHECK_OFFSET(hs_body_statistics, pairs, 16);
-CHECK_OFFSET(hs_body_statistics, bytes, 24);
-CHECK_OFFSET(hs_body_statistics, cost_ratio, 32);
+OFFSETS3(hs_bound_options, tightest, 8, empty_if_inverted, 12, target, 16);
+OFFSETS3(hs_scan_config, kind, 8, bits, 12, allocator, 16);
+OFFSETS4(hs_scan_options, begin, 8, end, 16, skip, 24, target, 32);
+OFFSETS6(hs_bvh_config, kind, 8, quality, 12, target, 16, run, 24, run_context,
+         32, allocator, 40);
+OFFSETS5(hs_query_options, mask, 8, shape, 12, skip, 16, target, 24, exclusive,
+         32);
+OFFSETS1(hs_id_pair, b, 4);
+OFFSETS7(hs_pair_options, mask, 8, margin, 12, skip, 16, begin, 24, end, 32,
+         target, 40, wanted, 48);
+OFFSETS5(hs_pair_event_options, mask, 8, margin, 12, target, 16, run, 24,
+         run_context, 32);
+OFFSETS1(hs_body_masks, collides_with, 4);
+OFFSETS6(hs_broad_phase_config, kind, 8, moves_wait_for_update, 12,
+         caller_locks, 16, keep, 24, keep_context, 32, allocator, 40);
+OFFSETS3(hs_update_options, budget, 8, run, 16, run_context, 24);
+OFFSETS4(hs_body_statistics, bodies, 8, pairs, 16, bytes, 24, cost_ratio, 32);
 #endif
 
 static void test_structs(void) {

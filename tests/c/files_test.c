@@ -46,6 +46,13 @@ static size_t count_all(const hs_bvh* bvh) {
   return count;
 }
 
+// Of a BVH that a call has made.
+static void check_count(hs_status status, hs_bvh** bvh, size_t count) {
+  CHECK_OK(status);
+  CHECK(count_all(*bvh) == count);
+  destroy(bvh);
+}
+
 // The files that hs_bvh_save() has left. One could be of an earlier run.
 static size_t count_remains(void) {
   size_t count = 0;
@@ -154,9 +161,7 @@ static void test_whole_files(hs_bvh* bvh, const void* blob, size_t size) {
   CHECK(bytes == size && memcmp(data, blob, size) == 0);
   CHECK_OK(hs_bvh_verify(copy));
   destroy(&copy);
-  CHECK_OK(hs_bvh_from_blob(&config, blob, size, &copy));
-  CHECK(count_all(copy) == OBJECTS);
-  destroy(&copy);
+  check_count(hs_bvh_from_blob(&config, blob, size, &copy), &copy, OBJECTS);
 
   // In place, or a copy of bytes that are not aligned.
   {
@@ -194,9 +199,7 @@ static void test_whole_files(hs_bvh* bvh, const void* blob, size_t size) {
   CHECK(count_all(copy) == OBJECTS - 1);
   CHECK_OK(hs_bvh_verify(copy));
   destroy(&copy);
-  CHECK_OK(hs_bvh_load(&config, kPath, &copy));
-  CHECK(count_all(copy) == OBJECTS);
-  destroy(&copy);
+  check_count(hs_bvh_load(&config, kPath, &copy), &copy, OBJECTS);
   // The file of a map can be replaced, except on Windows. There the old file
   // stays as it is.
   CHECK_OK(hs_bvh_map(&config, kPath, &copy));
@@ -205,9 +208,8 @@ static void test_whole_files(hs_bvh* bvh, const void* blob, size_t size) {
   CHECK(hs_bvh_save(copy, kPath) == kReplacesMapped);
   CHECK(count_all(copy) == OBJECTS - 1);
   destroy(&copy);
-  CHECK_OK(hs_bvh_load(&config, kPath, &copy));
-  CHECK(count_all(copy) == (kReplacesMapped == HS_OK ? OBJECTS - 1 : OBJECTS));
-  destroy(&copy);
+  check_count(hs_bvh_load(&config, kPath, &copy), &copy,
+              (kReplacesMapped == HS_OK ? OBJECTS - 1 : OBJECTS));
 }
 
 static void test_no_objects(void) {
@@ -222,9 +224,7 @@ static void test_no_objects(void) {
   CHECK_OK(hs_bvh_create(&config, &none, &bvh));
   CHECK_OK(hs_bvh_blob(bvh, &data, &size));
   CHECK(data == NULL && size == 0);
-  CHECK_OK(hs_bvh_from_blob(&config, data, size, &copy));
-  CHECK(count_all(copy) == 0);
-  destroy(&copy);
+  check_count(hs_bvh_from_blob(&config, data, size, &copy), &copy, 0);
   CHECK_OK(hs_bvh_save(bvh, kPath));
   // A BVH with room has a header.
   CHECK_OK(hs_bvh_reserve(bvh, 1));
@@ -236,9 +236,7 @@ static void test_no_objects(void) {
   CHECK_OK(hs_bvh_insert(bvh, &columns, ids));
   CHECK(count_all(bvh) == 2 && ids[0] == 0 && ids[1] == 1);
   destroy(&bvh);
-  CHECK_OK(hs_bvh_map(&config, kPath, &bvh));
-  CHECK(count_all(bvh) == 0);
-  destroy(&bvh);
+  check_count(hs_bvh_map(&config, kPath, &bvh), &bvh, 0);
 }
 
 #if defined(HAS_POSIX)
@@ -255,12 +253,8 @@ static void test_spaces_and_umlauts(const hs_bvh* bvh) {
   hs_bvh* copy = NULL;
   CHECK_OK(hs_bvh_save(bvh, kName));
   CHECK_OK(hs_bvh_save(bvh, kName));
-  CHECK_OK(hs_bvh_load(&config, kName, &copy));
-  CHECK(count_all(copy) == OBJECTS);
-  destroy(&copy);
-  CHECK_OK(hs_bvh_map(&config, kName, &copy));
-  CHECK(count_all(copy) == OBJECTS);
-  destroy(&copy);
+  check_count(hs_bvh_load(&config, kName, &copy), &copy, OBJECTS);
+  check_count(hs_bvh_map(&config, kName, &copy), &copy, OBJECTS);
 #if defined(_WIN32)
   CHECK(_wremove(L"c_test \u00e4 \U0001f4e6.bvh") == 0);
 #else

@@ -552,8 +552,8 @@ void CheckQueries(const World& world, const typename Functions::Handle* handle,
 
 // `nearest(q, ids, distances, options)` is the C++ call.
 template <typename Call, typename Nearest>
-void CheckNearest(float max_distance, const Call& call,
-                  const Nearest& nearest) {
+void CheckNearest(float max_distance, const Call& call, const Nearest& nearest,
+                  bool is_exclusive = false) {
   constexpr std::size_t kNearest = 5;
   for (std::uint32_t mask : {kAll, 6u}) {
     hs_query_options options = DefaultsOf(&hs_query_options_default);
@@ -562,6 +562,7 @@ void CheckNearest(float max_distance, const Call& call,
     if (mask != kAll) options.target = LastTarget();
     SearchOptions of_cc;
     of_cc.mask = mask;
+    options.exclusive = of_cc.exclusive = is_exclusive;
     std::vector<std::uint32_t> ids(kQueries * kNearest);
     std::vector<std::uint32_t> without_distances(ids.size());
     std::vector<float> distances(ids.size());
@@ -1009,7 +1010,6 @@ void TestQueryOfDoubles() {
 // The nearest objects that are not equal to the query, which is one of them.
 template <int kDims>
 void TestNearestOthers() {
-  constexpr std::size_t kNearest = 5;
   using Its = Kind<AabbView<kDims>>;
   const Records objects = Its::Make(kObjects, 0.01, 35);
   const auto boxes = Its::template All<Aabb<kDims>>(objects);
@@ -1021,35 +1021,12 @@ void TestNearestOthers() {
   for (std::size_t v = 0; v < Its::kValues; ++v)
     columns.column[v] = objects.row(8) + v;
   columns.count = kQueries;
-  hs_query_options options = DefaultsOf(&hs_query_options_default);
-  options.exclusive = 1;
-  for (std::size_t k : {std::size_t{1}, kNearest}) {
-    std::vector<std::uint32_t> ids(kQueries * k);
-    std::vector<std::uint32_t> without_distances(ids.size());
-    std::vector<float> distances(ids.size());
-    CHECK_OK(hs_bvh_nearest_to_boxes(bvh, &columns, k, 0.05f, &options,
-                                     ids.data(), distances.data()));
-    CHECK_OK(hs_bvh_nearest_to_boxes(bvh, &columns, k, 0.05f, &options,
-                                     without_distances.data(), nullptr));
-    CHECK(ids == without_distances);
-    for (std::size_t q = 0; q < kQueries; ++q) {
-      std::vector<std::uint32_t> its_ids(kObjects);
-      std::vector<float> its_distances(kObjects);
-      const std::size_t found =
-          KNearest(expected, boxes[8 + q], its_ids, its_distances, 0.05f);
-      std::vector<float> others;
-      for (std::size_t i = 0; i < found; ++i) {
-        if (its_ids[i] != 8 + q) others.push_back(its_distances[i]);
-      }
-      others.resize(k, kInfinity);
-      CHECK(
-          std::equal(others.begin(), others.end(), distances.begin() + q * k));
-      for (std::size_t i = 0; i < k; ++i) {
-        CHECK((ids[q * k + i] == HS_NO_ID) == (others[i] == kInfinity));
-        CHECK(ids[q * k + i] != 8 + q);
-      }
-    }
-  }
+  CheckNearest(
+      0.05f, Of(&hs_bvh_nearest_to_boxes, bvh, &columns),
+      [&](std::size_t q, auto& ids, auto& distances, const auto& options) {
+        return KNearest(expected, boxes[8 + q], ids, distances, 0.05f, options);
+      },
+      true);
   hs_bvh_destroy(bvh);
 }
 

@@ -39,6 +39,16 @@ class BodiesOf final : public SearchesOf<AnyBodies, BroadPhase<View>, Held> {
  public:
   using Base::Base;
 
+  std::size_t FindPairs(const Searches*, const Span<const std::uint32_t>* ids,
+                        Span<IdPair> pairs,
+                        const PairOptions& options) const override {
+    return PairsOf(world_, *ids, pairs, options);
+  }
+  void ForEachPair(const Searches*, const Span<const std::uint32_t>* ids,
+                   const Searches::OnPairs& function,
+                   const PairOptions& options) const override {
+    ForEachPairOf(world_, *ids, function, options);
+  }
   bool Has(std::uint32_t id) const override { return world_.Has(id); }
   Planes Get(std::uint32_t id) const override {
     return Base::PlanesOf(world_.Get(id));
@@ -95,12 +105,6 @@ std::unique_ptr<AnyBodies> MakeBodies(const Layout& layout,
   }
 #endif
   return layout.kind == Layout::kAabb ? make(AabbView3()) : make(AaboView3());
-}
-
-PairList PairsFrom(Span<const IdPair> pairs) {
-  PairList list;
-  for (const IdPair& pair : pairs) list.emplace_back(pair.a, pair.b);
-  return list;
 }
 
 std::vector<std::byte> BytesOf(const AabbBroadPhase3& bodies) {

@@ -48,9 +48,6 @@ class AnyBodies : public Searches {
 std::unique_ptr<AnyBodies> MakeBodies(const Layout& layout,
                                       const BroadPhaseOptions& options = {});
 
-// In the order of the list.
-PairList PairsFrom(Span<const IdPair> pairs);
-
 // The bytes of Save().
 std::vector<std::byte> BytesOf(const AabbBroadPhase3& bodies);
 

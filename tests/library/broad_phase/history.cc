@@ -22,11 +22,6 @@ Ids Either(const Ids& a, const Ids& b) {
   std::ranges::set_union(a, b, std::back_inserter(either));
   return either;
 }
-PairList Difference(const PairList& of, const PairList& without) {
-  PairList difference;
-  std::ranges::set_difference(of, without, std::back_inserter(difference));
-  return difference;
-}
 
 void RunBackwards(std::size_t parts, const Runner::Part& part) {
   while (parts-- > 0) part(parts);

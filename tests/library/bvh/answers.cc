@@ -104,13 +104,22 @@ std::vector<T> ExpectFills(std::size_t total, T canary, const Find& find) {
 
 }  // namespace
 
+PairList PairsFrom(Span<const IdPair> pairs) {
+  PairList list;
+  for (const IdPair& pair : pairs) list.emplace_back(pair.a, pair.b);
+  return list;
+}
+
+PairList Difference(const PairList& of, const PairList& without) {
+  PairList difference;
+  std::ranges::set_difference(of, without, std::back_inserter(difference));
+  return difference;
+}
+
 PairList InOrder(Span<const IdPair> pairs, bool is_one_world) {
-  PairList sorted;
-  for (const IdPair& pair : pairs) {
-    sorted.emplace_back(pair.a, pair.b);
-    if (is_one_world && pair.a > pair.b) {
-      std::swap(sorted.back().first, sorted.back().second);
-    }
+  PairList sorted = PairsFrom(pairs);
+  for (auto& [a, b] : sorted) {
+    if (is_one_world && a > b) std::swap(a, b);
   }
   std::sort(sorted.begin(), sorted.end());
   return sorted;
@@ -563,20 +572,12 @@ void ExpectPairs(const Searches& world, const Objects& objects,
                         .wanted = asked.wanted,
                         .margin = asked.margin,
                         .target = target};
+    const auto* const set = asked.ids == nullptr ? nullptr : &ids;
     const auto find = [&](Span<IdPair> pairs) {
-      return bvh == nullptr
-                 ? world.FindPairsOf(ids, pairs, options)
-                 : bvh->FindPairs(asked.other,
-                                  asked.ids == nullptr ? nullptr : &ids, pairs,
-                                  options);
+      return world.FindPairs(asked.other, set, pairs, options);
     };
     const auto for_each = [&](const Searches::OnPairs& function) {
-      if (bvh == nullptr) {
-        world.ForEachPairOf(ids, function, options);
-      } else {
-        bvh->ForEachPair(asked.other, asked.ids == nullptr ? nullptr : &ids,
-                         function, options);
-      }
+      world.ForEachPair(asked.other, set, function, options);
     };
     const std::size_t total = find({});
     const auto found =
@@ -596,13 +597,10 @@ void ExpectPairs(const Searches& world, const Objects& objects,
     const PairList sorted = InOrder(found, is_one_world);
     ASSERT_TRUE(std::adjacent_find(sorted.begin(), sorted.end()) ==
                 sorted.end());
-    PairList wrong;
-    std::set_difference(must.begin(), must.end(), sorted.begin(), sorted.end(),
-                        std::back_inserter(wrong));
-    ASSERT_EQ(wrong, PairList()) << "missed, margin " << asked.margin;
-    std::set_difference(sorted.begin(), sorted.end(), may.begin(), may.end(),
-                        std::back_inserter(wrong));
-    ASSERT_EQ(wrong, PairList()) << "too many, margin " << asked.margin;
+    ASSERT_EQ(Difference(must, sorted), PairList())
+        << "missed, margin " << asked.margin;
+    ASSERT_EQ(Difference(sorted, may), PairList())
+        << "too many, margin " << asked.margin;
     for (const IdPair& pair : found) {
       if (asked.ids == nullptr) break;
       ASSERT_TRUE(

@@ -29,9 +29,12 @@ inline Objects ObjectsOf(std::span<const Planes> bounds) {
   return objects;
 }
 
-// In order.
 using PairList = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
-// Of one world, the lesser id of each pair is first.
+// As they come.
+PairList PairsFrom(Span<const IdPair> pairs);
+// Of two lists in order, those of the first that are not in the second.
+PairList Difference(const PairList& of, const PairList& without);
+// Sorted. Of one world, the lesser id of each pair is first.
 PairList InOrder(Span<const IdPair> pairs, bool is_one_world);
 
 // Whether a plane separates two bounds by more than a margin, which is 2 or 3

@@ -65,7 +65,7 @@ class BvhOf final : public SearchesOf<AnyBvh, Bvh<View>> {
     halfspace::ForEachNearest(world_, Base::PointOf(point), max_distance,
                               Base::OnHitOf(function), options);
   }
-  std::size_t FindPairs(const AnyBvh* other,
+  std::size_t FindPairs(const Searches* other,
                         const Span<const std::uint32_t>* ids,
                         Span<IdPair> pairs,
                         const PairOptions& options) const override {
@@ -81,7 +81,7 @@ class BvhOf final : public SearchesOf<AnyBvh, Bvh<View>> {
       std::abort();
     }
   }
-  void ForEachPair(const AnyBvh* other, const Span<const std::uint32_t>* ids,
+  void ForEachPair(const Searches* other, const Span<const std::uint32_t>* ids,
                    const Searches::OnPairs& function,
                    const PairOptions& options) const override {
     if constexpr (HasMaxima<View>) {
@@ -163,7 +163,7 @@ class BvhOf final : public SearchesOf<AnyBvh, Bvh<View>> {
   }
 
  private:
-  static const Bvh<View>& WorldOf(const AnyBvh& any) {
+  static const Bvh<View>& WorldOf(const Searches& any) {
     return static_cast<const BvhOf&>(any).world_;
   }
   // call(bounds) with a vector of bounds of floats or of doubles.

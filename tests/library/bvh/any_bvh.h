@@ -140,13 +140,16 @@ class Searches {
                               const SearchOptions& options) const = 0;
   virtual void Cast(const Motion& motion, const OnHit& function,
                     const SearchOptions& options) const = 0;
-  // Not of simplices.
-  virtual std::size_t FindPairsOf(Span<const std::uint32_t> ids,
-                                  Span<IdPair> pairs,
-                                  const PairOptions& options) const = 0;
-  virtual void ForEachPairOf(Span<const std::uint32_t> ids,
-                             const OnPairs& function,
-                             const PairOptions& options) const = 0;
+  // Not of simplices. In one world, or of a BVH with another one; of some
+  // objects, or of all of a BVH.
+  virtual std::size_t FindPairs(const Searches* other,
+                                const Span<const std::uint32_t>* ids,
+                                Span<IdPair> pairs,
+                                const PairOptions& options) const = 0;
+  virtual void ForEachPair(const Searches* other,
+                           const Span<const std::uint32_t>* ids,
+                           const OnPairs& function,
+                           const PairOptions& options) const = 0;
 };
 
 class AnyBvh : public Searches {
@@ -166,15 +169,6 @@ class AnyBvh : public Searches {
   virtual void ForEachNearest(const Corner& point, float max_distance,
                               const OnHit& function,
                               const SearchOptions& options) const = 0;
-  // In one world, or with another one; of all objects, or of some.
-  virtual std::size_t FindPairs(const AnyBvh* other,
-                                const Span<const std::uint32_t>* ids,
-                                Span<IdPair> pairs,
-                                const PairOptions& options) const = 0;
-  virtual void ForEachPair(const AnyBvh* other,
-                           const Span<const std::uint32_t>* ids,
-                           const OnPairs& function,
-                           const PairOptions& options) const = 0;
   virtual void Update(PairEvents& events,
                       const Span<const std::uint32_t>* changed,
                       const PairEventOptions& options) const = 0;

@@ -25,7 +25,6 @@
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
 #include "tests/library/support/fp_modes.h"
-#include "tests/library/support/misaligned.h"
 
 namespace halfspace::testing {
 namespace {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <span>
 #include <type_traits>
@@ -85,21 +84,6 @@ class SearchesOf : public Base {
       case Motion::kBall:
         return SphereCast(world_, Sphere<kDims>{from, motion.radius}, direction,
                           motion.max_t, call, options);
-    }
-  }
-  std::size_t FindPairsOf(Span<const std::uint32_t> ids, Span<IdPair> pairs,
-                          const PairOptions& options) const override {
-    if constexpr (HasMaxima<View>) {
-      return PairsOf(world_, ids, pairs, options);
-    } else {
-      std::abort();
-    }
-  }
-  void ForEachPairOf(Span<const std::uint32_t> ids,
-                     const Searches::OnPairs& function,
-                     const PairOptions& options) const override {
-    if constexpr (HasMaxima<View>) {
-      halfspace::ForEachPairOf(world_, ids, function, options);
     }
   }
 

@@ -15,7 +15,6 @@
 #include "halfspace/fit.h"
 #include "tests/library/fit/builders.h"
 #include "tests/library/support/expect_invalid.h"
-#include "tests/library/support/misaligned.h"
 
 namespace halfspace::testing {
 namespace {

@@ -14,7 +14,6 @@
 
 #include "halfspace/fit_many.h"
 #include "tests/library/support/expect_invalid.h"
-#include "tests/library/support/misaligned.h"
 
 namespace halfspace::testing {
 namespace {

@@ -8,7 +8,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <new>
@@ -25,59 +24,30 @@
 #include "tests/library/support/counting_memory.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
-#include "tests/library/support/misaligned.h"
 
 namespace halfspace::testing {
 namespace {
 
-using PairSet = std::set<std::pair<std::uint32_t, std::uint32_t>>;
-using PairVector = std::vector<IdPair>;
-
-PairVector ListOf(Span<const IdPair> pairs) {
-  return {pairs.begin(), pairs.end()};
-}
-PairVector Sorted(Span<const IdPair> pairs) {
-  PairVector sorted = ListOf(pairs);
-  std::sort(sorted.begin(), sorted.end(), [](const auto& x, const auto& y) {
-    return std::pair(x.a, x.b) < std::pair(y.a, y.b);
-  });
-  return sorted;
-}
-// Sorted by a, then by b.
-PairVector ListOf(const PairSet& pairs) {
-  PairVector list;
-  for (const auto& [a, b] : pairs) list.push_back({a, b});
-  return list;
-}
-
-// Those of the first that are not in the second.
-PairVector Missing(const PairSet& pairs, const PairSet& others) {
-  PairSet missing;
-  std::set_difference(pairs.begin(), pairs.end(), others.begin(), others.end(),
-                      std::inserter(missing, missing.end()));
-  return ListOf(missing);
-}
-
 // The pairs that a search of the world finds.
 template <typename View>
-PairSet FoundIn(const Bvh<View>& world, const PairOptions& options = {}) {
-  PairSet found;
-  ForEachPair(
-      world,
-      [&](Span<const IdPair> pairs) {
-        for (const auto& [a, b] : pairs) found.emplace(std::minmax(a, b));
-      },
-      options);
-  return found;
+PairList FoundIn(const Bvh<View>& world, const PairOptions& options = {}) {
+  std::vector<IdPair> pairs(Pairs(world, Span<IdPair>(), options));
+  EXPECT_EQ(Pairs(world, pairs, options), pairs.size());
+  return InOrder(pairs, true);
 }
 
-void ExpectIs(const PairEvents& events, const PairSet& before,
-              const PairSet& now) {
-  ASSERT_EQ(Sorted(events.pairs()), ListOf(now));
+template <typename Events>
+PairList SortedPairsOf(const Events& events) {
+  return InOrder(events.pairs(), false);
+}
+
+void ExpectIs(const PairEvents& events, const PairList& before,
+              const PairList& now) {
+  ASSERT_EQ(SortedPairsOf(events), now);
   ASSERT_EQ(events.size(), now.size());
   ASSERT_EQ(events.empty(), now.empty());
-  ASSERT_EQ(ListOf(events.began()), Missing(now, before));
-  ASSERT_EQ(ListOf(events.ended()), Missing(before, now));
+  ASSERT_EQ(PairsFrom(events.began()), Difference(now, before));
+  ASSERT_EQ(PairsFrom(events.ended()), Difference(before, now));
 }
 
 class PairEventsTest : public ::testing::TestWithParam<Layout> {};
@@ -95,16 +65,15 @@ TEST_P(PairEventsTest, AreTheDifferenceOfAllPairs) {
                        FpMode::kDefault);
     PairEvents mixed;
     PairEvents all;
-    PairSet before;
+    PairList before;
     for (int step = 0; step < 40; ++step) {
       for (std::size_t i = random() % 4; i > 0; --i) history.Change();
       PairEvents copy = mixed;
-      PairVector pairs = ListOf(mixed.pairs());
+      std::vector<IdPair> pairs(mixed.pairs().begin(), mixed.pairs().end());
       std::shuffle(pairs.begin(), pairs.end(), random);
       PairEvents loaded;
       loaded.Load(pairs);
-      const auto list = PairsIn(GetParam(), history.objects());
-      const PairSet now(list.begin(), list.end());
+      const PairList now = PairsIn(GetParam(), history.objects());
       // In any order, some twice, and some that no object ever had.
       Ids ids = history.TakeChanged();
       for (std::uint32_t id : {7u, 5000u, 0xFFFFFFFFu}) {
@@ -182,17 +151,17 @@ TEST(PairEventsOfManyTest, AreTheDifferenceOfAllPairsOnAnyThreads) {
   PairEvents alone;
   PairEvents on_threads;
   auto run = RunOnThreads;
-  PairSet before;
+  PairList before;
   for (const std::size_t share :
        {100u, 0u, 100u, 10u, 20u, 24u, 24u, 1u, 50u, 10u}) {
     const Ids ids = crowd.Some(share);
     crowd.Move(ids);
-    const PairSet now = FoundIn(crowd.bvh);
+    const PairList now = FoundIn(crowd.bvh);
     ASSERT_GT(now.size(), 10000u);
     alone.Update(crowd.bvh, ids);
     on_threads.Update(crowd.bvh, ids, {.run = run});
     ExpectIs(alone, before, now);
-    ASSERT_EQ(ListOf(alone.pairs()), ListOf(on_threads.pairs()));
+    ASSERT_EQ(PairsFrom(alone.pairs()), PairsFrom(on_threads.pairs()));
     ExpectIs(on_threads, before, now);
     if (::testing::Test::HasFatalFailure()) FAIL() << share;
     before = now;
@@ -207,7 +176,7 @@ TEST(PairEventsOfManyTest, OptionsAreThoseOfTheSearch) {
   for (Target target : TargetsUnderTest()) {
     PairEvents events;
     events.Update(crowd.bvh, {.target = target});
-    const PairSet all = FoundIn(crowd.bvh);
+    const PairList all = FoundIn(crowd.bvh);
     ExpectIs(events, {}, all);
     events.Update(crowd.bvh, {.mask = 2, .margin = 0.5f, .target = target});
     ExpectIs(events, all, FoundIn(crowd.bvh, {.mask = 2, .margin = 0.5f}));
@@ -230,22 +199,22 @@ TEST(PairEventsMemoryTest, AFailedAllocationChangesNothing) {
         ids.push_back(100000);  // none of the world's
         PairEvents expected = events;
         expected.Update(crowd.bvh, ids);
-        const PairVector pairs = Sorted(events.pairs());
-        const PairVector began = ListOf(events.began());
-        const PairVector ended = ListOf(events.ended());
+        const PairList pairs = SortedPairsOf(events);
+        const PairList began = PairsFrom(events.began());
+        const PairList ended = PairsFrom(events.ended());
         PairEventOptions options;
         if (on_threads) options.run = run;
         const std::size_t failures = FailuresOf(
             memory, [&] { events.Update(crowd.bvh, ids, options); },
             [&] {
-              ASSERT_EQ(Sorted(events.pairs()), pairs);
-              ASSERT_EQ(ListOf(events.began()), began);
-              ASSERT_EQ(ListOf(events.ended()), ended);
+              ASSERT_EQ(SortedPairsOf(events), pairs);
+              ASSERT_EQ(PairsFrom(events.began()), began);
+              ASSERT_EQ(PairsFrom(events.ended()), ended);
             });
         EXPECT_GT(failures, 2u);
-        ASSERT_EQ(Sorted(events.pairs()), Sorted(expected.pairs()));
-        ASSERT_EQ(ListOf(events.began()), ListOf(expected.began()));
-        ASSERT_EQ(ListOf(events.ended()), ListOf(expected.ended()));
+        ASSERT_EQ(SortedPairsOf(events), SortedPairsOf(expected));
+        ASSERT_EQ(PairsFrom(events.began()), PairsFrom(expected.began()));
+        ASSERT_EQ(PairsFrom(events.ended()), PairsFrom(expected.ended()));
       }
     }
   }
@@ -265,7 +234,7 @@ TEST(PairEventsMemoryTest, AnAllocationThatFailsOnceLosesNothing) {
   };
   Crowd crowd;
   auto run = RunOnThreads;
-  const PairSet pairs = FoundIn(crowd.bvh);
+  const PairList pairs = FoundIn(crowd.bvh);
   std::size_t thrown = 0;
   for (std::size_t left = 0; left < 60; ++left) {
     FailsOnce memory{left};
@@ -295,12 +264,12 @@ TEST(PairEventsMemoryTest, EachOwnerKeepsItsResource) {
   events.Update(crowd.bvh);
   EXPECT_LE(events.bytes(), events.size() * 12 + 10000);
   EXPECT_GE(events.bytes(), events.size() * 8);
-  const PairVector pairs = ListOf(events.pairs());
+  const PairList pairs = PairsFrom(events.pairs());
   PairEvents copy(events, other.resource());
-  EXPECT_EQ(ListOf(copy.pairs()), pairs);
+  EXPECT_EQ(PairsFrom(copy.pairs()), pairs);
   PairEvents assigned;
   assigned = copy;
-  EXPECT_EQ(ListOf(assigned.pairs()), pairs);
+  EXPECT_EQ(PairsFrom(assigned.pairs()), pairs);
   EXPECT_EQ(assigned.memory(), MemoryResource());
   const std::size_t allocations = other.allocations;
   PairEvents moved = std::move(copy);
@@ -308,16 +277,16 @@ TEST(PairEventsMemoryTest, EachOwnerKeepsItsResource) {
   EXPECT_EQ(moved.memory(), other.resource());
   EXPECT_TRUE(copy.empty());  // NOLINT(bugprone-use-after-move)
   assigned = std::move(moved);
-  EXPECT_EQ(ListOf(assigned.pairs()), pairs);
+  EXPECT_EQ(PairsFrom(assigned.pairs()), pairs);
   EXPECT_EQ(assigned.memory(), MemoryResource());
   swap(assigned, copy);
-  EXPECT_EQ(ListOf(copy.pairs()), pairs);
+  EXPECT_EQ(PairsFrom(copy.pairs()), pairs);
   EXPECT_EQ(assigned.memory(), other.resource());
   other.left = 0;
   EXPECT_THROW(PairEvents(events, other.resource()), std::bad_alloc);
   memory.left = 0;
   EXPECT_THROW(events.Load(copy.pairs()), std::bad_alloc);
-  EXPECT_EQ(ListOf(events.pairs()), pairs);
+  EXPECT_EQ(PairsFrom(events.pairs()), pairs);
   events.Clear();
   EXPECT_EQ(events.bytes(), 0u);
   EXPECT_EQ(memory.blocks, 0u);
@@ -327,16 +296,16 @@ TEST(PairEventsErrorsTest, NameTheArgument) {
   AabbBvh3 bvh(std::vector<Aabb3>(20, Aabb3{{0, 0, 0}, {1, 1, 1}}));
   PairEvents events;
   events.Update(bvh);
-  const PairVector pairs = ListOf(events.pairs());
+  const PairList pairs = PairsFrom(events.pairs());
   ASSERT_EQ(pairs.size(), 190u);
   const std::array<std::uint32_t, 2> ids = {1, 2};
   const auto refuses = [&](const auto& call,
                            std::initializer_list<std::string_view> parts) {
     EXPECT_TRUE(Refuses(call, parts));
-    EXPECT_EQ(ListOf(events.pairs()), pairs);
+    EXPECT_EQ(PairsFrom(events.pairs()), pairs);
     EXPECT_EQ(events.began().size(), pairs.size());
   };
-  const auto load = [&](const PairVector& list) {
+  const auto load = [&](const std::vector<IdPair>& list) {
     return [&events, list] { events.Load(list); };
   };
   refuses([&] { events.Update(bvh, Span(Misaligned(ids.data()), 2), {}); },
@@ -371,9 +340,9 @@ TEST(PairEventsLoadTest, PairsOfNoObjectsEnd) {
   CountingMemory memory;
   PairEvents events(memory.resource());
   for (const std::uint32_t id : {9u, 0x7FFFFFFFu}) {
-    const PairVector pairs = {{3, id}, {0, 1}, {1, id - 1}};
+    const std::vector<IdPair> pairs = {{3, id}, {0, 1}, {1, id - 1}};
     events.Load(pairs);
-    EXPECT_EQ(ListOf(events.pairs()), pairs);
+    EXPECT_EQ(PairsFrom(events.pairs()), PairsFrom(pairs));
     events.Update(bvh, Ids{});
     EXPECT_TRUE(events.began().empty());
     EXPECT_EQ(events.ended().size(), id == 9 ? 0u : 2u);
@@ -382,7 +351,7 @@ TEST(PairEventsLoadTest, PairsOfNoObjectsEnd) {
     events.Update(bvh);
     EXPECT_TRUE(events.began().empty());
     EXPECT_EQ(events.ended().size(), id == 9 ? 1u : 0u);
-    EXPECT_EQ(ListOf(events.pairs()), (PairVector{{0, 1}}));
+    EXPECT_EQ(PairsFrom(events.pairs()), (PairList{{0, 1}}));
   }
 }
 
@@ -390,14 +359,14 @@ TEST(PairEventsRunnerTest, ARunnerThatThrowsChangesNothing) {
   Crowd crowd;
   PairEvents events;
   events.Update(crowd.bvh);
-  const PairVector pairs = ListOf(events.pairs());
+  const PairList pairs = PairsFrom(events.pairs());
   crowd.Move(crowd.Some(100));
   auto run = [](std::size_t, const Runner::Part& part) {
     part(0);
     throw std::runtime_error("no threads");
   };
   EXPECT_THROW(events.Update(crowd.bvh, {.run = run}), std::runtime_error);
-  EXPECT_EQ(ListOf(events.pairs()), pairs);
+  EXPECT_EQ(PairsFrom(events.pairs()), pairs);
   EXPECT_EQ(events.began().size(), pairs.size());
 }
 
@@ -410,7 +379,7 @@ TEST(PairEventsCoreTest, TheModeOfTheCallerDoesNotMatter) {
     boxes.push_back({{x, 0, 0}, {x + 0x1p-140f, 2, 2}});
   }
   const AabbBvh3 bvh{Span<const Aabb3>(boxes)};
-  const PairSet expected = FoundIn(bvh);
+  const PairList expected = FoundIn(bvh);
   const std::vector<std::uint32_t> some = {7, 8, 300};
   const Span<const std::uint32_t> changed(some);
   for (const FpMode mode : {FpMode::kFlushes, FpMode::kTraps}) {
@@ -430,7 +399,7 @@ TEST(PairEventsCoreTest, TheModeOfTheCallerDoesNotMatter) {
                   filter);
     });
     EXPECT_EQ(flushes, mode == FpMode::kFlushes);
-    EXPECT_EQ(Sorted(core.pairs()), ListOf(expected));
+    EXPECT_EQ(SortedPairsOf(core), expected);
     EXPECT_TRUE(core.began().empty());
     EXPECT_TRUE(core.ended().empty());
   }

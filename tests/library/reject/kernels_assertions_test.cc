@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "halfspace/kernels.h"
-#include "tests/library/support/misaligned.h"
+#include "tests/library/support/expect_invalid.h"
 
 namespace halfspace::testing {
 namespace {

@@ -17,7 +17,6 @@
 #include "tests/library/support/calls.h"
 #include "tests/library/support/expect_invalid.h"
 #include "tests/library/support/flat_cases.h"
-#include "tests/library/support/misaligned.h"
 
 namespace halfspace::testing {
 namespace {

@@ -1,10 +1,11 @@
-// Checks that a call refuses, and says why.
+// Checks that a call refuses, and says why; and pointers that no call may take.
 #ifndef HALFSPACE_TESTS_LIBRARY_SUPPORT_EXPECT_INVALID_H_
 #define HALFSPACE_TESTS_LIBRARY_SUPPORT_EXPECT_INVALID_H_
 
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <initializer_list>
 #include <string>
@@ -13,6 +14,12 @@
 #include "halfspace/error.h"
 
 namespace halfspace::testing {
+
+// `pointer`, one byte further.
+template <typename T>
+T* Misaligned(T* pointer) {
+  return reinterpret_cast<T*>(reinterpret_cast<std::uintptr_t>(pointer) + 1);
+}
 
 // What a handler of errors is told by call(), or nothing.
 inline std::string ToldBy(const std::function<void()>& call) {
@@ -58,12 +65,19 @@ inline ::testing::AssertionResult Refuses(
   return ::testing::AssertionFailure() << "nothing was thrown";
 }
 
-}  // namespace halfspace::testing
+// EXPECT_REFUSED((call), part, ...): an expression in parentheses.
+inline void ExpectRefused(const char* file, int line, const char* text,
+                          const std::function<void()>& call,
+                          std::initializer_list<std::string_view> parts) {
+  const ::testing::AssertionResult result = Refuses(call, parts);
+  if (!result) {
+    ADD_FAILURE_AT(file, line) << text << ": " << result.message();
+  }
+}
+#define EXPECT_REFUSED(call, ...)                                \
+  ::halfspace::testing::ExpectRefused(__FILE__, __LINE__, #call, \
+                                      [&] { (void)(call); }, {__VA_ARGS__})
 
-// As a row: an expression in parentheses, and the parts.
-#define EXPECT_REFUSED(call, ...)                                          \
-  EXPECT_TRUE(                                                             \
-      ::halfspace::testing::Refuses([&] { (void)(call); }, {__VA_ARGS__})) \
-      << #call
+}  // namespace halfspace::testing
 
 #endif  // HALFSPACE_TESTS_LIBRARY_SUPPORT_EXPECT_INVALID_H_

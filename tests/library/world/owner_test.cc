@@ -14,7 +14,6 @@
 #include "halfspace/reject.h"
 #include "tests/library/support/counting_memory.h"
 #include "tests/library/support/expect_invalid.h"
-#include "tests/library/support/misaligned.h"
 #include "tests/library/support/sanitized.h"
 #include "tests/library/world/owner_inputs.h"
 
