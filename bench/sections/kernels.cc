@@ -2,7 +2,9 @@
 #include "halfspace/kernels.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <functional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,6 +12,7 @@
 #include "bench/base/shape.h"
 #include "bench/base/text.h"
 #include "bench/baselines/by_hand.h"
+#include "bench/inner/target_loops.h"
 #include "bench/sections/contest.h"
 #include "bench/worlds/working_set.h"
 #include "halfspace/reject.h"
@@ -19,10 +22,16 @@ namespace {
 
 void AddRows(Run& run, WorkingSet& set, ShapeKind shape, Table& table) {
   Contest contest(run, "kernels");
-  for (bool by_plane : {false, true}) {
-    contest.Add({"read", NameOf(shape), set.name()},
-                set.ReadCase(shape, by_plane, SupportedTargets().front()),
-                Who::kLimit);
+  // By words as a kernel, by pages, and by planes, with vectors of the two
+  // greatest widths: which is fastest depends on the cache and its prefetchers.
+  const std::span<const Target> targets = SupportedTargets();
+  for (Target target :
+       targets.first(std::min<std::size_t>(2, targets.size()))) {
+    for (std::size_t turn :
+         {kReadBytes, std::size_t{4096}, set.objects() * sizeof(float)}) {
+      contest.Add({"read", NameOf(shape), set.name(), NameOf(target), turn},
+                  set.ReadCase(shape, turn, target), Who::kLimit);
+    }
   }
   for (Target target : run.targets) {
     for (const auto& [name, schedule] : SchedulesOf(shape)) {

@@ -121,11 +121,12 @@ Case WorkingSet::LoopCase(ShapeKind shape, const Scan& scan) {
   });
 }
 
-Case WorkingSet::ReadCase(ShapeKind shape, bool by_plane, Target target) const {
-  return CaseOfObjects(objects(), [read = LoopsFor(target).read, by_plane,
+Case WorkingSet::ReadCase(ShapeKind shape, std::size_t turn,
+                          Target target) const {
+  return CaseOfObjects(objects(), [read = LoopsFor(target).read, turn,
                                    planes = PlanesOf(shape, view_),
                                    bytes = objects() * sizeof(float)] {
-    KeepResult(read(by_plane, planes.data(), planes.size(), bytes));
+    KeepResult(read(turn, planes.data(), planes.size(), bytes));
   });
 }
 
