@@ -23,8 +23,10 @@ IS_CHECKED = re.compile(r"(bench|c|dispatch|kernels|python)/.*\.cc")
 
 
 def lists_of_files(build, names):
-  """(call of the compiler, files) for each folder: the files that it compiles alike."""
+  """(call of the compiler, files) for each folder, and for the whole tool: the files that
+  it reads alike. What several programs compile is read once."""
   lists = {}
+  seen = set()
   for entry in json.loads((build / "compile_commands.json").read_text()):
     file = pathlib.Path(entry["file"])
     name = os.path.relpath(file, ROOT)
@@ -34,15 +36,17 @@ def lists_of_files(build, names):
     else:
       is_checked = (IS_CHECKED.fullmatch(name) and
                     "hwy/foreach_target.h" not in file.read_text())
-    if not is_checked: continue
+    if not is_checked or file in seen: continue
+    seen.add(file)
     call = shlex.split(entry["command"])
-    call = call[:call.index("-o")]
+    call = [each for each in call[:call.index("-o")] if not each.startswith("-O")]
     # Without the precompiled headers, which only a build makes.
     if "-include-pch" in call:
       first = call.index("-include-pch") - 1
       del call[first:first + 8]
-    lists.setdefault((file.parent, *call), {})[file] = None
-  return [(call, list(files)) for (_, *call), files in lists.items()]
+    folder = "bench" if name.startswith("bench/") else file.parent
+    lists.setdefault((folder, *call), []).append(file)
+  return [(call, files) for (_, *call), files in lists.items()]
 
 
 def run(*command):

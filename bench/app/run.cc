@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
+#include <map>
 #include <new>
 #include <sstream>
 #include <string>
@@ -56,15 +57,6 @@ void WriteHead(std::ostream& out, const Report& report) {
       << report.ValueOf("cpu") << " (" << report.ValueOf("model") << ")\n";
 }
 
-// Those of `tables` that belong to a section.
-Tables& TablesOf(std::vector<std::pair<std::string_view, Tables>>& all,
-                 std::string_view section) {
-  for (auto& [name, tables] : all) {
-    if (name == section) return tables;
-  }
-  return all.emplace_back(section, Tables()).second;
-}
-
 }  // namespace
 
 Report RunSections(const BenchOptions& options, std::optional<Workload> input,
@@ -72,13 +64,12 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
   Run run(options, std::move(input), progress);
   Report report{ContextOf(run), {}};
   double total = 0.0;
-  std::vector<std::pair<std::string_view, Tables>> all;
+  std::map<std::string_view, Tables> all;  // of each section
   bool needs_verdict = false;
   std::size_t first_sections = 0;
   for (const Section& section : ThisProgram().sections) {
     if (!options.Wants(section.name)) continue;
     total += section.weight;
-    all.emplace_back(section.name, Tables());
     first_sections += (section.flags & kLast) == 0 ? 1 : 0;
     needs_verdict |=
         !run.machine.is_emulated && (section.flags & kVerdict) != 0;
@@ -120,7 +111,7 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
               std::max<std::size_t>(1, kGroups / first_sections);
           for (std::size_t g = 0; g < groups; ++g) run.AddVerdictGroup();
         }
-        Tables& tables = TablesOf(all, section.name);
+        Tables& tables = all[section.name];
         tables = section.run(run);
         run.tables.insert(run.tables.end(), tables.begin(), tables.end());
         progress.Clear();
@@ -132,8 +123,10 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
       }
     }
   }
-  for (auto& [name, tables] : all) {
-    for (Table& table : tables) report.tables.push_back(std::move(table));
+  for (const Section& section : ThisProgram().sections) {
+    for (Table& table : all[section.name]) {
+      report.tables.push_back(std::move(table));
+    }
   }
   for (const Table& table : report.tables) {
     if (table.name == "noise" && !table.rows.empty()) {

@@ -1,7 +1,8 @@
-#include <boost/geometry.hpp>
+#include <boost/geometry/algorithms/distance.hpp>
 #include <boost/geometry/geometries/box.hpp>
 #include <boost/geometry/geometries/point.hpp>
 #include <boost/geometry/index/rtree.hpp>
+#include <boost/geometry/strategies/cartesian/distance_pythagoras_point_box.hpp>
 #include <iterator>
 #include <utility>
 
@@ -20,12 +21,12 @@ using BoostBox = bg::model::box<BoostPoint<kDims>>;
 template <int kDims>
 using Entry = std::pair<BoostBox<kDims>, std::uint32_t>;
 
-BoostPoint<2> PointOf(const Point<2>& p) { return {p[0], p[1]}; }
-BoostPoint<3> PointOf(const Point<3>& p) { return {p[0], p[1], p[2]}; }
+BoostPoint<2> BoostPointOf(const Point<2>& p) { return {p[0], p[1]}; }
+BoostPoint<3> BoostPointOf(const Point<3>& p) { return {p[0], p[1], p[2]}; }
 
 template <int kDims>
-BoostBox<kDims> BoxOf(const Aabb<kDims>& box) {
-  return {PointOf(box.min), PointOf(box.max)};
+BoostBox<kDims> BoostBoxOf(const Aabb<kDims>& box) {
+  return {BoostPointOf(box.min), BoostPointOf(box.max)};
 }
 
 // An output iterator: takes what a query finds.
@@ -62,7 +63,7 @@ template <int kDims, std::size_t kNodeSize>
 auto TreeOf(std::span<const Aabb<kDims>> boxes) {
   std::vector<Entry<kDims>> entries;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
-    entries.emplace_back(BoxOf(boxes[i]), static_cast<std::uint32_t>(i));
+    entries.emplace_back(BoostBoxOf(boxes[i]), static_cast<std::uint32_t>(i));
   }
   return bgi::rtree<Entry<kDims>, bgi::quadratic<kNodeSize>>(entries);
 }
@@ -76,12 +77,12 @@ class BoostTree : public BoxTree<kDims> {
   void Find(const Aabb<kDims>& query,
             std::vector<std::uint32_t>& found) const override {
     found.clear();
-    tree_.query(bgi::intersects(BoxOf(query)), IndexTaker(found));
+    tree_.query(bgi::intersects(BoostBoxOf(query)), IndexTaker(found));
   }
 
   bool CanCount() const override { return true; }
   std::size_t Count(const Aabb<kDims>& query) const override {
-    return tree_.query(bgi::intersects(BoxOf(query)),
+    return tree_.query(bgi::intersects(BoostBoxOf(query)),
                        Taker([](const auto& /*entry*/) {}));
   }
 
@@ -100,7 +101,7 @@ class BoostNearest : public NearestTree {
     found.clear();
     // Boost has no answer to this, but an assertion.
     if (count == 0) return;
-    tree_.query(bgi::nearest(PointOf(point), static_cast<unsigned>(count)),
+    tree_.query(bgi::nearest(BoostPointOf(point), static_cast<unsigned>(count)),
                 IndexTaker(found));
   }
 

@@ -5,12 +5,12 @@
 namespace halfspace::bench {
 namespace {
 
-b2Vec2 VectorOf(const Point<2>& p) { return {p[0], p[1]}; }
+b2Vec2 Box2dVectorOf(const Point<2>& p) { return {p[0], p[1]}; }
 
-b2AABB BoxOf(const Aabb2& box) {
+b2AABB Box2dBoxOf(const Aabb2& box) {
   b2AABB result;
-  result.lowerBound = VectorOf(box.min);
-  result.upperBound = VectorOf(box.max);
+  result.lowerBound = Box2dVectorOf(box.min);
+  result.upperBound = Box2dVectorOf(box.max);
   return result;
 }
 
@@ -21,14 +21,14 @@ class Box2dSpace : public BodySpace<2> {
 
   void Insert(Ids ids, Boxes boxes) override {
     Store(ids, boxes, [&](std::uint32_t id, const Box& box) {
-      proxies_[id] = space_.CreateProxy(BoxOf(box), DataOf(id));
+      proxies_[id] = space_.CreateProxy(Box2dBoxOf(box), DataOf(id));
     });
     UpdateContacts();
   }
   void Step(Ids ids, Boxes boxes) override {
     Store(ids, boxes, [&](std::uint32_t id, const Box& box) {
       const Point<2>& last = boxes_[id].min;
-      space_.MoveProxy(proxies_[id], BoxOf(box),
+      space_.MoveProxy(proxies_[id], Box2dBoxOf(box),
                        {box.min[0] - last[0], box.min[1] - last[1]});
     });
     UpdateContacts();

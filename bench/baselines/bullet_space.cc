@@ -59,9 +59,9 @@ class BulletSpace : public BodySpace<3> {
 };
 
 // btDbvtBroadphase, with its cache of pairs.
-const Registered<BodySpace<3>> kBullet("Bullet btDbvt", [](std::size_t bodies) {
-  return std::make_unique<BulletSpace>(bodies);
-});
+const Registered<BodySpace<3>> kBulletSpace(
+    "Bullet btDbvt",
+    [](std::size_t bodies) { return std::make_unique<BulletSpace>(bodies); });
 
 }  // namespace
 }  // namespace halfspace::bench

@@ -10,8 +10,8 @@ btDbvtVolume VolumeOf(const Aabb3& box) {
                               btVector3(box.max[0], box.max[1], box.max[2]));
 }
 
-struct IndexTaker : btDbvt::ICollide {
-  explicit IndexTaker(std::vector<std::uint32_t>& list) : found(list) {}
+struct LeafTaker : btDbvt::ICollide {
+  explicit LeafTaker(std::vector<std::uint32_t>& list) : found(list) {}
 
   void Process(const btDbvtNode* leaf) override {
     found.push_back(static_cast<std::uint32_t>(leaf->dataAsInt));
@@ -33,7 +33,7 @@ class BulletTree : public BoxTree<3> {
   void Find(const Aabb3& query,
             std::vector<std::uint32_t>& found) const override {
     found.clear();
-    IndexTaker taker(found);
+    LeafTaker taker(found);
     tree_.collideTV(tree_.m_root, VolumeOf(query), taker);
   }
 
@@ -44,7 +44,7 @@ class BulletTree : public BoxTree<3> {
 // Built by insertion and then optimised from the top down. Coordinates are at
 // most 1e12: where the volume of a box is no float, it writes beyond its
 // arrays. Of more boxes a query takes ten times as long as others.
-const Registered<BoxTree<3>> kBullet(
+const Registered<BoxTree<3>> kBulletTree(
     "Bullet btDbvt",
     [](auto boxes) { return std::make_unique<BulletTree>(boxes); }, 100'000);
 

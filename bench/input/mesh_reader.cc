@@ -14,7 +14,7 @@
 namespace halfspace::bench {
 namespace {
 
-constexpr const char* kAdvice =
+constexpr const char* kObjAdvice =
     "give an OBJ file with v and f lines; assimp converts other formats";
 
 // Removes the first field from `rest` and returns it; nothing at the end of the
@@ -39,8 +39,9 @@ class ObjReader {
       if (word == "v") AddVertex(rest);
       if (word == "f") AddFace(rest);
     }
-    if (mesh_.vertices() == 0) lines_.Fail("the file has no vertex", kAdvice);
-    if (mesh_.triangles() == 0) lines_.Fail("the file has no face", kAdvice);
+    if (mesh_.vertices() == 0)
+      lines_.Fail("the file has no vertex", kObjAdvice);
+    if (mesh_.triangles() == 0) lines_.Fail("the file has no face", kObjAdvice);
     // A face may name a vertex that comes after it.
     if (largest_ >= mesh_.vertices()) {
       lines_.FailAt(line_of_largest_,

@@ -124,19 +124,17 @@ double Timing::Quantile(double quantile) const {
   return QuantileOf(samples, quantile);
 }
 
-Ratio RatioOf(const std::vector<double>& numerator,
-              const std::vector<double>& denominator) {
-  std::vector<double> ratios;
-  const std::size_t count = std::min(numerator.size(), denominator.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    ratios.push_back(numerator[i] / denominator[i]);
+std::vector<double> RatiosOf(const Timing& numerator,
+                             const Timing& denominator) {
+  std::vector<double> ratios = numerator.samples;
+  for (std::size_t i = 0; i < ratios.size(); ++i) {
+    ratios[i] /= denominator.samples[i];
   }
-  return {QuantileOf(ratios, 0.5), QuantileOf(ratios, 0.25),
-          QuantileOf(ratios, 0.75)};
+  return ratios;
 }
 
 Ratio RatioOf(const Timing& numerator, const Timing& denominator) {
-  return RatioOf(numerator.samples, denominator.samples);
+  return SpreadOf({RatiosOf(numerator, denominator)});
 }
 
 Ratio SpreadOf(const Timing& timing) {

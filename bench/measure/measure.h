@@ -63,9 +63,10 @@ struct Ratio {
 
   Ratio Percent() const { return {100.0 * median, 100.0 * low, 100.0 * high}; }
 };
-Ratio RatioOf(const std::vector<double>& numerator,
-              const std::vector<double>& denominator);
 Ratio RatioOf(const Timing& numerator, const Timing& denominator);
+// Of each pair of repetitions.
+std::vector<double> RatiosOf(const Timing& numerator,
+                             const Timing& denominator);
 
 // Median and quartiles of a timing.
 Ratio SpreadOf(const Timing& timing);

@@ -49,15 +49,6 @@ std::string LeadersText(const std::vector<std::size_t>& widths,
          where(Winner::kSimplex);
 }
 
-// Of each pair of repetitions.
-Ratio RangeOfRatios(const Timing& numerator, const Timing& denominator) {
-  std::vector<double> ratios = numerator.samples;
-  for (std::size_t i = 0; i < ratios.size(); ++i) {
-    ratios[i] /= denominator.samples[i];
-  }
-  return RangeOf(ratios);
-}
-
 // The same stages in groups of 16 with branches and with lists, and flat, by
 // the size of objects. Only for vectors: without them a group is 16 objects one
 // by one.
@@ -124,7 +115,7 @@ Tables BranchTables(Run& run) {
           const Timing& lists = ns.timing(flat + 2 * planes);
           times.Add({NameOf(target), percent, NameOf(kCompared[s]), planes,
                      ns.timing(flat).Median(), branches.Median(),
-                     lists.Median(), RangeOfRatios(branches, lists)});
+                     lists.Median(), RangeOf(RatiosOf(branches, lists))});
         }
       }
       // The faster number of planes, of cases `at` and `at + 2`.
@@ -141,8 +132,9 @@ Tables BranchTables(Run& run) {
       };
       const auto add = [&](const char* way, std::size_t box,
                            std::size_t simplex) {
-        ratios.Add({NameOf(target), percent, way,
-                    Marked(RangeOfRatios(ns.timing(box), ns.timing(simplex)))});
+        ratios.Add(
+            {NameOf(target), percent, way,
+             Marked(RangeOf(RatiosOf(ns.timing(box), ns.timing(simplex))))});
       };
       add("flat", 0, of_shape);
       add("branches", faster(1), faster(of_shape + 1));
@@ -185,7 +177,7 @@ Tables RunGate(Run& run) {
                GatedCase(set, shape, target, w));
       }
       ns.Time();
-      ratios.push_back(RangeOfRatios(ns.timing(0), ns.timing(1)));
+      ratios.push_back(RangeOf(RatiosOf(ns.timing(0), ns.timing(1))));
       table.Add({NameOf(target), w, ns.timing(0).Median(),
                  ns.timing(1).Median(), ns.timing(2).Median(), ratios.back()});
     }

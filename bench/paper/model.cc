@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "bench/base/text.h"
+#include "bench/measure/groups.h"
 #include "bench/paper/loops.h"
 #include "bench/paper/work_count.h"
 #include "bench/sections/contest.h"
@@ -31,11 +32,15 @@ const VerdictWorld& TypicalOf(const Verdict& verdict) {
 
 // What one more plane costs an object in flat kernels.
 double CompareNanoseconds(const VerdictWorld& world, std::size_t target) {
-  const VerdictCell& cell = world.cells[target];
+  const auto median = [&](std::size_t contender) {
+    return RangeOf(world.OfGroups(target,
+                                  [contender](const GroupTimes& group) {
+                                    return group.ns[contender];
+                                  }))
+        .median;
+  };
   // 4 planes and 6 planes.
-  const double simplex = RangeOf(cell.FlatOf(ShapeKind::kSimplex)).median;
-  const double box = RangeOf(cell.FlatOf(ShapeKind::kAabb)).median;
-  return std::max(0.0, (box - simplex) / 2.0);
+  return std::max(0.0, (median(kFlatBox) - median(kFlatSimplex)) / 2.0);
 }
 
 // Whether the paper's inequality predicts the winner, for each world.
@@ -52,20 +57,21 @@ Table DensityTable(const Verdict& verdict, std::size_t target,
        Value("measured"), Value("break-even", "ns", 0)}};
   for (const VerdictWorld& world : verdict.worlds()) {
     const auto objects = static_cast<double>(world.objects);
-    const double box = world.survivors.aabb / objects;
+    const PerShape<double> survivors = world.MeanSurvivors();
+    const double box = survivors.aabb / objects;
     // Of too few survivors nothing can be told.
     constexpr double kFewest = 30.0 / kTimedQueries;
-    const bool is_counted = world.survivors.aabb >= kFewest;
-    const double c =
-        is_counted ? world.survivors.simplex / world.survivors.aabb : 1.0;
-    const double saved = world.cells[target]
-                             .Difference(ShapeKind::kAabb, ShapeKind::kSimplex)
-                             .median;
+    const bool is_counted = survivors.aabb >= kFewest;
+    const double c = is_counted ? survivors.simplex / survivors.aabb : 1.0;
+    const double saved =
+        GroupRange(world.OfGroups(target, [](const GroupTimes& group) {
+          return group.box - group.simplex;
+        })).median;
     const double break_even = BreakEven(saved, (c - 1.0) * box);
     const double limit = DensityLimit(c, compare, exact.ns.median);
     const Winner winner =
-        WinnerOf(world.OverSimplex(ShapeKind::kAabb, target, exact.ns.median));
-    table.Add({world.name(), exact.name, world.survivors.aabb,
+        WinnerOf(world.BoxOverSimplex(target, exact.ns.median));
+    table.Add({world.name(), exact.name, survivors.aabb,
                is_counted ? Cell(c) : Cell(), 100.0 * box,
                is_counted ? Cell(100.0 * limit) : Cell(),
                NameOf(box < limit ? Winner::kSimplex : Winner::kBox),

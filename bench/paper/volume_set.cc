@@ -41,10 +41,10 @@ bool IsWithinReach(const Sphere<3>& a, const Sphere<3>& b, double factor) {
 // What an operation on doubles may be wrong by, several times over.
 constexpr double kDoubleSlack = 1.0 + 0x1p-49;
 
-using Center = std::array<double, 3>;
+using Middle = std::array<double, 3>;
 
 // The point farthest from a center, and the square of its distance.
-std::pair<std::size_t, double> FarthestFrom(const Center& center,
+std::pair<std::size_t, double> FarthestFrom(const Middle& center,
                                             std::span<const float> points) {
   std::pair<std::size_t, double> farthest{0, 0.0};
   for (std::size_t i = 0; i + 2 < points.size(); i += 3) {
@@ -60,10 +60,10 @@ std::pair<std::size_t, double> FarthestFrom(const Center& center,
 
 // Not below `value`, and infinite if no float is.
 float RoundedUp(double value) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  if (!(value <= std::numeric_limits<float>::max())) return kInfinity;
+  constexpr float kInfinite = std::numeric_limits<float>::infinity();
+  if (!(value <= std::numeric_limits<float>::max())) return kInfinite;
   const auto rounded = static_cast<float>(value);
-  return rounded < value ? std::nextafter(rounded, kInfinity) : rounded;
+  return rounded < value ? std::nextafter(rounded, kInfinite) : rounded;
 }
 
 }  // namespace
@@ -71,7 +71,7 @@ float RoundedUp(double value) {
 Sphere<3> SphereAround(std::span<const float> points) {
   // Badoiu and Clarkson: a step towards the farthest point, shorter each time.
   // It begins at the middle of the box, which is right for boxes.
-  Center center;
+  Middle center;
   for (std::size_t k = 0; k < 3; ++k) {
     double min = points[k];
     double max = points[k];
@@ -83,7 +83,7 @@ Sphere<3> SphereAround(std::span<const float> points) {
   }
   const std::size_t steps =
       std::clamp<std::size_t>(6000 / points.size(), 32, 256);
-  Center best = center;
+  Middle best = center;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t step = 1; step <= steps; ++step) {
     const auto [point, square] = FarthestFrom(center, points);

@@ -88,8 +88,8 @@ class Structures {
 
 // ---- Which bound, precision and structure.
 
-// One way to answer a query with a list of survivors.
-struct Way {
+// One method to answer a query with a list of survivors.
+struct Method {
   std::string shape;
   std::string structure;  // "scan" or "BVH"
   std::string precision;  // "floats" or "uint8"
@@ -97,10 +97,10 @@ struct Way {
 
   std::string name() const { return shape + " " + structure + " " + precision; }
 };
-using Ways = std::vector<Way>;
+using Methods = std::vector<Method>;
 
 // The fastest first.
-Ways MeasureWays(Run& run, const AaboWorld3& world) {
+Methods MeasureMethods(Run& run, const AaboWorld3& world) {
   const AaboView3 view = world.view();
   const auto in = [&](const auto& of_shape) {
     return Structures<std::decay_t<decltype(of_shape)>>(
@@ -120,19 +120,20 @@ Ways MeasureWays(Run& run, const AaboWorld3& world) {
   if (run.options.repetitions == 0) effort.repetitions = kGroups;
   contest.Time(effort);
   const double exact_ns = run.TheExactTest().ns.median;
-  Ways ways;
+  Methods methods;
   for (std::size_t i = 0; i < contest.size(); ++i) {
     const Row& keys = contest.keys(i);
-    ways.push_back(
+    methods.push_back(
         {keys[0].text, keys[1].text, keys[2].text, contest.timing(i)});
-    for (double& ns : ways.back().time.samples) {
+    for (double& ns : methods.back().time.samples) {
       ns += exact_ns * survivors[i / 3];
     }
   }
-  std::stable_sort(ways.begin(), ways.end(), [](const Way& a, const Way& b) {
-    return a.time.Median() < b.time.Median();
-  });
-  return ways;
+  std::stable_sort(methods.begin(), methods.end(),
+                   [](const Method& a, const Method& b) {
+                     return a.time.Median() < b.time.Median();
+                   });
+  return methods;
 }
 
 // An answer is the better of two, if it is so by more than a world at another
@@ -149,20 +150,17 @@ void AddAnswer(Table& table, const std::string& question,
   }
 }
 
-// The best way of all, and the best of those that are_others.
-void AddWays(Table& table, const char* question, const Ways& ways,
-             const std::function<bool(const Way&)>& are_others,
-             const std::function<std::string(const Way&)>& name) {
-  const auto one = std::find_if_not(ways.begin(), ways.end(), are_others);
-  const auto other = std::find_if(ways.begin(), ways.end(), are_others);
-  if (one == ways.end() || other == ways.end()) return;
-  const Way& better = *std::min(one, other);
-  const Way& worse = *std::max(one, other);
-  std::vector<double> ratios = worse.time.samples;
-  for (std::size_t r = 0; r < ratios.size(); ++r) {
-    ratios[r] /= better.time.samples[r];
-  }
-  AddAnswer(table, question, name(better), name(worse), GroupRange(ratios));
+// The best method of all, and the best of those that are_others.
+void AddMethods(Table& table, const char* question, const Methods& methods,
+                const std::function<bool(const Method&)>& are_others,
+                const std::function<std::string(const Method&)>& name) {
+  const auto one = std::find_if_not(methods.begin(), methods.end(), are_others);
+  const auto other = std::find_if(methods.begin(), methods.end(), are_others);
+  if (one == methods.end() || other == methods.end()) return;
+  const Method& better = *std::min(one, other);
+  const Method& worse = *std::max(one, other);
+  AddAnswer(table, question, name(better), name(worse),
+            GroupRange(RatiosOf(worse.time, better.time)));
 }
 
 void AddThreads(const Table& threads, Table& table) {
@@ -190,22 +188,28 @@ Table AnswersTable(Run& run) {
   constexpr std::size_t kMostObjects = std::size_t{1} << 20;
   const AaboWorld3 world = Thinned(
       run.Measured().objects, run.is_quick() ? kMostObjects / 8 : kMostObjects);
-  const Ways ways = MeasureWays(run, world);
-  AddWays(
-      table, "shape", ways,
-      [&](const Way& way) { return way.shape != ways.front().shape; },
-      [](const Way& way) { return way.name(); });
-  Ways scans = ways;
-  std::erase_if(scans, [](const Way& way) { return way.structure == "BVH"; });
-  AddWays(
+  const Methods methods = MeasureMethods(run, world);
+  AddMethods(
+      table, "shape", methods,
+      [&](const Method& method) {
+        return method.shape != methods.front().shape;
+      },
+      [](const Method& method) { return method.name(); });
+  Methods scans = methods;
+  std::erase_if(scans,
+                [](const Method& method) { return method.structure == "BVH"; });
+  AddMethods(
       table, "precision of scans", scans,
-      [](const Way& way) { return way.precision == "floats"; },
-      [](const Way& way) { return way.precision + " (" + way.shape + ")"; });
-  AddWays(
-      table, "structure", ways,
-      [](const Way& way) { return way.structure == "BVH"; },
-      [](const Way& way) {
-        return way.structure + " (" + way.shape + " " + way.precision + ")";
+      [](const Method& method) { return method.precision == "floats"; },
+      [](const Method& method) {
+        return method.precision + " (" + method.shape + ")";
+      });
+  AddMethods(
+      table, "structure", methods,
+      [](const Method& method) { return method.structure == "BVH"; },
+      [](const Method& method) {
+        return method.structure + " (" + method.shape + " " + method.precision +
+               ")";
       });
   const ExactTest exact = run.TheExactTest();
   table.notes.push_back(
@@ -308,11 +312,8 @@ Table StructuresTable(Run& run) {
   }
   // The page needs the answers alone.
   if (run.is_page()) {
-    const auto drop = [](auto& list) {
-      list.erase(list.begin() + 4, list.begin() + 6);
-    };
-    drop(table.columns);
-    for (Row& row : table.rows) drop(row);
+    table.columns.erase(table.columns.begin() + 4, table.columns.begin() + 6);
+    for (Row& row : table.rows) row.erase(row.begin() + 4, row.begin() + 6);
   }
   table.notes = {
       "Boxes that take 2 % of the world's side, a list of survivors for each "

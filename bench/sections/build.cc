@@ -207,7 +207,7 @@ void AddBuilds(Run& run, Source source, const std::string& set, Table& table) {
 }
 
 constexpr std::size_t kPointsOfSingle = 64;
-constexpr std::size_t kPieces = 16;
+constexpr std::size_t kPiecesOfSingle = 16;
 
 // What a shape is made of.
 struct Single {
@@ -318,11 +318,11 @@ void AddSingles(Run& run, Table& table) {
   add(
       "BoundSegmentPieces, a piece",
       [](S s) {
-        std::array<Aabo3, kPieces> pieces;
+        std::array<Aabo3, kPiecesOfSingle> pieces;
         BoundSegmentPieces<3>({s.a, s.b}, pieces);
         return pieces.back();
       },
-      kPieces);
+      kPiecesOfSingle);
   add("BoundFrustum", [](S s) { return BoundFrustum(s.Planes()); });
   add("BoundTransformed, a point", [](S s) {
     return BoundTransformed(Points3{s.a.data(), 1}, s.Map());

@@ -29,7 +29,7 @@ void AddRows(Run& run, WorkingSet& set, ShapeKind shape, Table& table) {
        targets.first(std::min<std::size_t>(2, targets.size()))) {
     for (std::size_t turn :
          {kReadBytes, std::size_t{4096}, set.objects() * sizeof(float)}) {
-      contest.Add({"read", NameOf(shape), set.name()},
+      contest.Add({"read", NameOf(shape), set.name(), NameOf(target), turn},
                   set.ReadCase(shape, turn, target), Who::kLimit);
     }
   }

@@ -19,7 +19,7 @@ namespace halfspace::bench {
 namespace {
 
 // A scene of more would take 32 GiB.
-constexpr std::size_t kMostObjects = std::size_t{1} << 30;
+constexpr std::size_t kMostOfScene = std::size_t{1} << 30;
 constexpr std::size_t kMostQueries = std::size_t{1} << 20;
 constexpr std::size_t kMostRepetitions = 1000;
 
@@ -141,24 +141,21 @@ class Help : public CLI::Formatter {
 }  // namespace
 
 std::string BenchOptions::Scope() const {
-  std::string text;
-  const auto add = [&text](const std::string& option) {
-    text += (text.empty() ? "" : " ") + option;
+  std::ostringstream text;
+  const auto add = [&text](bool is_given, const char* option,
+                           const auto& value) {
+    if (is_given) text << (text.tellp() > 0 ? " " : "") << option << value;
   };
-  if (is_quick) add("--quick");
-  if (!mesh.empty()) add("--mesh " + mesh);
-  if (!bounds.empty()) add("--bounds " + bounds);
-  if (!query_bounds.empty()) add("--query-bounds " + query_bounds);
-  if (query_size != 0) {
-    std::ostringstream size;
-    size << query_size;
-    add("--query-size " + size.str());
-  }
-  if (objects != 0) add("--objects " + std::to_string(objects));
-  if (queries != 0) add("--queries " + std::to_string(queries));
-  if (seed != 1) add("--seed " + std::to_string(seed));
-  if (exact_ns) add("--exact-ns " + Fixed(*exact_ns, 3));
-  return text;
+  add(is_quick, "--quick", "");
+  add(!mesh.empty(), "--mesh ", mesh);
+  add(!bounds.empty(), "--bounds ", bounds);
+  add(!query_bounds.empty(), "--query-bounds ", query_bounds);
+  add(query_size != 0, "--query-size ", query_size);
+  add(objects != 0, "--objects ", objects);
+  add(queries != 0, "--queries ", queries);
+  add(seed != 1, "--seed ", seed);
+  add(exact_ns.has_value(), "--exact-ns ", Fixed(exact_ns, 3));
+  return text.str();
 }
 
 bool BenchOptions::Wants(std::string_view section) const {
@@ -215,7 +212,7 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
       ->excludes(query_bounds);
   app.add_option("--objects", options.objects,
                  "Objects in the scene (default 4194304)")
-      ->transform(Whole(64, kMostObjects))
+      ->transform(Whole(64, kMostOfScene))
       ->type_name("N");
   app.add_option("--queries", options.queries,
                  "Queries (default 20000 to time; 128 to count survivors, with "

@@ -44,6 +44,8 @@ Range PartOf(std::size_t objects, std::size_t i, std::size_t parts) {
 // left out.
 void AddRows(Run& run, const Work& work, const std::vector<std::size_t>& counts,
              Table& table) {
+  constexpr std::size_t kFewest = 3;
+  constexpr double kWidest = 2.0;  // a range as wide answers nothing
   work.run({0, work.objects});
   const std::vector<std::uint64_t> expected(work.masks.begin(),
                                             work.masks.end());
@@ -53,33 +55,29 @@ void AddRows(Run& run, const Work& work, const std::vector<std::size_t>& counts,
   std::vector<std::vector<double>> ns(counts.size());
   std::vector<double> shares(counts.size());
   const std::size_t tries = std::max<std::size_t>(10, run.effort.repetitions);
-  for (std::size_t t = 0; t < tries; ++t) {
-    for (std::size_t c = 0; c < counts.size(); ++c) {
-      std::fill(work.masks.begin(), work.masks.end(), 0x5555555555555555);
-      const TeamTime time = RunTeam(counts[c], [&](std::size_t i) {
-        const Range part = PartOf(work.objects, i, counts[c]);
-        for (std::size_t r = 0; r < rounds; ++r) work.run(part);
-      });
-      if (!std::equal(expected.begin(), expected.end(), work.masks.begin())) {
-        throw WrongAnswer("threads/" + work.name +
-                          ": the masks are not those of one thread");
-      }
-      shares[c] += time.cpu_share / static_cast<double>(tries);
-      if (time.cpu_share < kLeastShare) continue;
-      ns[c].push_back(1e9 * time.seconds /
-                      (work.pairs * static_cast<double>(rounds)));
+  for (std::size_t t = 0; t < tries * counts.size(); ++t) {
+    const std::size_t c = t % counts.size();
+    std::fill(work.masks.begin(), work.masks.end(), 0x5555555555555555);
+    const TeamTime time = RunTeam(counts[c], [&](std::size_t i) {
+      const Range part = PartOf(work.objects, i, counts[c]);
+      for (std::size_t r = 0; r < rounds; ++r) work.run(part);
+    });
+    if (!std::equal(expected.begin(), expected.end(), work.masks.begin())) {
+      throw WrongAnswer("threads/" + work.name +
+                        ": the masks are not those of one thread");
     }
+    shares[c] += time.cpu_share / static_cast<double>(tries);
+    if (time.cpu_share < kLeastShare) continue;
+    ns[c].push_back(1e9 * time.seconds /
+                    (work.pairs * static_cast<double>(rounds)));
   }
   for (std::size_t c = 0; c < counts.size(); ++c) {
-    constexpr std::size_t kFewest = 3;
     Row row = {work.name, counts[c], Cell(), Cell()};
-    if (ns[c].size() >= kFewest) row[2] = RangeOf(ns[c]).median;
     const Ratio one = RangeOf(ns[0]);
     const Ratio all = RangeOf(ns[c]);
     const Ratio times{one.median / all.median, one.low / all.high,
                       one.high / all.low};
-    // A range as wide as this answers nothing.
-    constexpr double kWidest = 2.0;
+    if (ns[c].size() >= kFewest) row[2] = all.median;
     if (ns[c].size() >= kFewest && ns[0].size() >= kFewest &&
         times.high < kWidest * times.low) {
       row[3] = times;

@@ -90,31 +90,24 @@ std::vector<double> SizesOf(const Verdict& verdict) {
 
 std::vector<std::string> LeadOf(const Verdict& verdict, double exact_ns) {
   const std::size_t best = verdict.best_column();
-  std::vector<std::string> lines;
-  if (verdict.is_of_file()) {
-    const auto row = [&](std::size_t c, double ns) {
-      return RatioRow{verdict.columns()[c].name,
-                      verdict.worlds()[0].OverSimplex(ShapeKind::kAabb, c, ns)};
-    };
-    std::vector<RatioRow> rows;
-    for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
-      rows.push_back(row(c, 0.0));
-    }
-    lines = RatioLead(rows);
-    for (std::string& line : ExactRatioLead(row(best, exact_ns), exact_ns)) {
-      lines.push_back(std::move(line));
-    }
-    return lines;
-  }
   const std::vector<double> sizes = SizesOf(verdict);
+  const auto ratio = [&](std::size_t c, double ns) {
+    return RatioRow{verdict.columns()[c].name,
+                    verdict.worlds()[0].BoxOverSimplex(c, ns)};
+  };
   std::vector<LeadRow> rows;
+  std::vector<RatioRow> ratios;
   for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
     rows.push_back({verdict.columns()[c].name, verdict.CrossingsOf(c)});
+    ratios.push_back(ratio(c, 0.0));
   }
-  lines = SizeLead(rows, sizes);
-  for (std::string& line : ExactLead(
-           {verdict.columns()[best].name, verdict.CrossingsWithExact(best)},
-           sizes, exact_ns)) {
+  std::vector<std::string> lines =
+      verdict.is_of_file() ? RatioLead(ratios) : SizeLead(rows, sizes);
+  for (std::string& line :
+       verdict.is_of_file()
+           ? ExactRatioLead(ratio(best, exact_ns), exact_ns)
+           : ExactLead({rows[best].name, verdict.CrossingsWithExact(best)},
+                       sizes, exact_ns)) {
     lines.push_back(std::move(line));
   }
   return lines;
@@ -139,7 +132,7 @@ Table TableOf(const Verdict& verdict, std::string name, std::string title,
   for (const VerdictWorld& world : verdict.worlds()) {
     Row row = {verdict.is_of_file() ? Cell("file") : Cell(world.percent)};
     for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
-      row.push_back(Marked(world.OverSimplex(ShapeKind::kAabb, c, exact_ns)));
+      row.push_back(Marked(world.BoxOverSimplex(c, exact_ns)));
     }
     table.Add(std::move(row));
   }
@@ -188,16 +181,15 @@ Table TimesTable(const Verdict& verdict) {
                Value("time", "ns", 4), Value("over the flat simplex", "", 3)}};
   for (const VerdictWorld& world : verdict.worlds()) {
     for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
-      const VerdictCell& cell = world.cells[c];
-      const auto contenders = verdict.columns()[c].contenders;
-      for (std::size_t i = 0; i < contenders.size(); ++i) {
-        std::vector<double> ratios = cell.ns[i];
-        for (std::size_t g = 0; g < ratios.size(); ++g) {
-          ratios[g] /= cell.FlatOf(ShapeKind::kSimplex)[g];
-        }
+      for (std::size_t i = 0; i < kContenders.size(); ++i) {
+        const auto ns = [i](const GroupTimes& group) { return group.ns[i]; };
+        const auto over_simplex = [i](const GroupTimes& group) {
+          return group.ns[i] / group.ns[kFlatSimplex];
+        };
         times.Add({world.name(), verdict.columns()[c].name,
-                   NameOf(contenders[i].shape), contenders[i].schedule,
-                   GroupRange(cell.ns[i]), GroupRange(ratios)});
+                   NameOf(kContenders[i].shape), kContenders[i].schedule,
+                   GroupRange(world.OfGroups(c, ns)),
+                   GroupRange(world.OfGroups(c, over_simplex))});
       }
     }
   }
@@ -239,15 +231,6 @@ double BestTime(std::span<const std::vector<double>> samples) {
   return sum / 2.0;
 }
 
-Ratio VerdictCell::Difference(ShapeKind more, ShapeKind less) const {
-  std::vector<double> differences = BestOf(more);
-  const std::vector<double>& others = BestOf(less);
-  for (std::size_t g = 0; g < differences.size(); ++g) {
-    differences[g] -= others[g];
-  }
-  return GroupRange(differences);
-}
-
 Cell Marked(const Ratio& box_over_simplex) {
   const Winner winner = WinnerOf(box_over_simplex);
   return Cell(box_over_simplex)
@@ -260,16 +243,24 @@ std::string VerdictWorld::name() const {
   return percent == 0.0 ? "file" : PercentText(percent) + " %";
 }
 
-Ratio VerdictWorld::OverSimplex(ShapeKind shape, std::size_t column,
-                                double exact_ns) const {
-  const auto cost = [&](ShapeKind of, std::size_t group) {
-    return cells[column].BestOf(of)[group] + exact_ns *
-                                                 group_survivors[group].Of(of) /
-                                                 static_cast<double>(objects);
-  };
+PerShape<double> VerdictWorld::MeanSurvivors() const {
+  PerShape<double> means;
+  const auto groups = static_cast<double>(survivors.size());
+  for (const PerShape<double>& each : survivors) {
+    means.aabb += each.aabb / groups;
+    means.simplex += each.simplex / groups;
+    means.aabo += each.aabo / groups;
+  }
+  return means;
+}
+
+Ratio VerdictWorld::BoxOverSimplex(std::size_t column, double exact_ns) const {
+  const double exact = exact_ns / static_cast<double>(objects);
   std::vector<double> ratios;
-  for (std::size_t g = 0; g < group_survivors.size(); ++g) {
-    ratios.push_back(cost(shape, g) / cost(ShapeKind::kSimplex, g));
+  for (std::size_t g = 0; g < survivors.size(); ++g) {
+    const GroupTimes& group = times[column][g];
+    ratios.push_back((group.box + exact * survivors[g].aabb) /
+                     (group.simplex + exact * survivors[g].simplex));
   }
   return GroupRange(ratios);
 }
@@ -330,27 +321,11 @@ std::vector<std::string> ExactRatioLead(const RatioRow& row, double exact_ns) {
               WinnerText(row.box_over_simplex) + " (" + row.name + ")."};
 }
 
-std::vector<Contender> LibraryContenders() {
-  std::vector<Contender> contenders;
-  for (ShapeKind shape : {ShapeKind::kSimplex, ShapeKind::kAabb}) {
-    contenders.push_back({shape, "auto", Schedule::kAuto});
-    contenders.push_back({shape, "flat", Schedule::kFlat});
-    contenders.push_back({shape, "staged", Schedule::kStaged});
-  }
-  return contenders;
-}
-
 // What is measured at one size, for one group.
 struct Verdict::Place {
   std::unique_ptr<WorkingSet> set;
   PerShape<double> survivors;
-  std::map<std::size_t, Times> times;  // of each column that was timed
-};
-
-struct Verdict::Times {
-  std::vector<double> ns;
-  double simplex = 0.0;
-  double box = 0.0;
+  std::map<std::size_t, GroupTimes> times;  // of each column that was timed
 };
 
 Verdict::Verdict(Run& run) : best_target_(run.best()), effort_(run.effort) {
@@ -360,7 +335,7 @@ Verdict::Verdict(Run& run) : best_target_(run.best()), effort_(run.effort) {
     const std::size_t lanes = LoopsFor(target).one_query_lanes();
     columns_.push_back(
         {NameOf(target) + (lanes == 1 ? "" : ", " + std::to_string(lanes)),
-         target, LibraryContenders()});
+         target});
   }
   if (run.options.repetitions == 0) effort_.repetitions = kRepetitions;
   effort_.repetitions = std::min(effort_.repetitions, kRepetitions);
@@ -373,7 +348,7 @@ Verdict::Verdict(Run& run) : best_target_(run.best()), effort_(run.effort) {
     VerdictWorld world;
     world.percent = percent;
     world.objects = size_.objects;
-    world.cells.resize(columns_.size());
+    world.times.resize(columns_.size());
     worlds_.push_back(std::move(world));
   }
   spans_.resize(columns_.size());
@@ -416,27 +391,26 @@ Verdict::Place Verdict::MakePlace(Run& run, double percent) const {
   return place;
 }
 
-Verdict::Times Verdict::TimePlace(Run& run, Place& place, std::size_t column,
-                                  const Effort& effort) const {
+GroupTimes Verdict::TimePlace(Run& run, Place& place, std::size_t column,
+                              const Effort& effort) const {
   Contest contest(run, "verdict");
-  const auto& [column_name, target, contenders] = columns_[column];
-  for (const auto& [shape, schedule, how] : contenders) {
+  const auto& [name, target] = columns_[column];
+  for (const auto& [shape, schedule, how] : kContenders) {
     Case c = place.set->LibraryCase(shape, {.schedule = how, .target = target});
     // Other groups differ in their places in memory alone.
     if (groups_ != 0) c.check = nullptr;
-    contest.Add({column_name, NameOf(shape), schedule}, std::move(c));
+    contest.Add({name, NameOf(shape), schedule}, std::move(c));
   }
   contest.Time(effort);
-  Times times;
-  std::vector<std::vector<double>> simplex;
-  std::vector<std::vector<double>> box;
+  GroupTimes times;
+  std::vector<std::vector<double>> samples;
   for (std::size_t c = 0; c < contest.size(); ++c) {
     times.ns.push_back(contest.timing(c).Median());
-    (contenders[c].shape == ShapeKind::kSimplex ? simplex : box)
-        .push_back(contest.timing(c).samples);
+    samples.push_back(contest.timing(c).samples);
   }
-  times.simplex = BestTime(simplex);
-  times.box = BestTime(box);
+  const auto half = std::span(samples).size() / 2;
+  times.simplex = BestTime(std::span(samples).first(half));
+  times.box = BestTime(std::span(samples).last(half));
   return times;
 }
 
@@ -451,7 +425,7 @@ void Verdict::FindSpans(Run& run, std::map<double, Place>& places) {
         if (place == places.end()) {
           place = places.emplace(percent, MakePlace(run, percent)).first;
         }
-        std::map<std::size_t, Times>& timed = place->second.times;
+        std::map<std::size_t, GroupTimes>& timed = place->second.times;
         if (!timed.contains(c)) {
           timed[c] = TimePlace(run, place->second, c, effort_);
         }
@@ -478,17 +452,10 @@ void Verdict::AddGroup(Run& run) {
   for (VerdictWorld& world : worlds_) {
     Place& place = places.emplace(world.percent, MakePlace(run, world.percent))
                        .first->second;
-    world.group_survivors.push_back(place.survivors);
+    world.survivors.push_back(place.survivors);
     for (std::size_t c = 0; c < columns_.size(); ++c) {
-      const Times times = TimePlace(run, place, c, complete);
-      VerdictCell& cell = world.cells[c];
-      cell.ns.resize(times.ns.size());
-      for (std::size_t i = 0; i < times.ns.size(); ++i) {
-        cell.ns[i].push_back(times.ns[i]);
-      }
-      cell.simplex.push_back(times.simplex);
-      cell.box.push_back(times.box);
-      place.times[c] = times;
+      place.times[c] = TimePlace(run, place, c, complete);
+      world.times[c].push_back(place.times[c]);
     }
   }
   queries_ += places.begin()->second.set->queries().size();
@@ -500,14 +467,6 @@ void Verdict::AddGroup(Run& run) {
   ++groups_;
   for (VerdictWorld& world : worlds_) {
     sets_.push_back(std::move(places.at(world.percent).set));
-    PerShape<double> sums;
-    for (const PerShape<double>& each : world.group_survivors) {
-      const auto share = static_cast<double>(groups_);
-      sums.aabb += each.aabb / share;
-      sums.simplex += each.simplex / share;
-      sums.aabo += each.aabo / share;
-    }
-    world.survivors = sums;
   }
 }
 

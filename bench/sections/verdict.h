@@ -36,8 +36,16 @@ struct Contender {
   Schedule how;
 };
 
-// Those of the library. Both bounds choose from equally many schedules.
-std::vector<Contender> LibraryContenders();
+// Both bounds choose from equally many schedules.
+inline constexpr std::array<Contender, 6> kContenders = {
+    {{ShapeKind::kSimplex, "auto", Schedule::kAuto},
+     {ShapeKind::kSimplex, "flat", Schedule::kFlat},
+     {ShapeKind::kSimplex, "staged", Schedule::kStaged},
+     {ShapeKind::kAabb, "auto", Schedule::kAuto},
+     {ShapeKind::kAabb, "flat", Schedule::kFlat},
+     {ShapeKind::kAabb, "staged", Schedule::kStaged}}};
+inline constexpr std::size_t kFlatSimplex = 1;
+inline constexpr std::size_t kFlatBox = 4;
 
 // The time of the best of some contenders, whose repetitions are `samples`. The
 // best is chosen in one half of the repetitions and timed in the other half,
@@ -45,42 +53,37 @@ std::vector<Contender> LibraryContenders();
 // would be too short, and the more so the more contenders there are.
 double BestTime(std::span<const std::vector<double>> samples);
 
-// A target and the lanes of its vectors. The contenders are ordered by shape,
-// the simplex first. Of each shape, the schedules flat and staged come last.
+// A target and the lanes of its vectors.
 struct VerdictColumn {
   std::string name;  // "AVX2, 8", or "scalar"
   Target target;
-  std::vector<Contender> contenders;
 };
 
-// One world and column.
-struct VerdictCell {
-  // ns of an object in each group, of each contender.
-  std::vector<std::vector<double>> ns;
-  // The same of the best contender of each shape.
-  std::vector<double> simplex;
-  std::vector<double> box;
-
-  const std::vector<double>& BestOf(ShapeKind shape) const {
-    return shape == ShapeKind::kSimplex ? simplex : box;
-  }
-  // The flat schedule is the last but one of each shape.
-  const std::vector<double>& FlatOf(ShapeKind shape) const {
-    return ns[(shape == ShapeKind::kSimplex ? ns.size() / 2 : ns.size()) - 2];
-  }
-  Ratio Difference(ShapeKind more, ShapeKind less) const;
+// ns of an object in one group.
+struct GroupTimes {
+  std::vector<double> ns;  // of each contender
+  double simplex = 0.0;    // of the best contender of each shape
+  double box = 0.0;
 };
 
 struct VerdictWorld {
   double percent = 0.0;  // of the world's side that an object takes; 0: a file
   std::size_t objects = 0;
-  PerShape<double> survivors;                     // of a query: kappa
-  std::vector<PerShape<double>> group_survivors;  // the same of each group
-  std::vector<VerdictCell> cells;                 // of each column
+  std::vector<PerShape<double>> survivors;     // of a query, in each group
+  std::vector<std::vector<GroupTimes>> times;  // of each column and group
 
   std::string name() const;
-  // Of `shape` over the simplex, with that exact test.
-  Ratio OverSimplex(ShapeKind shape, std::size_t column, double exact_ns) const;
+  // f(times) of each group of a column.
+  template <typename F>
+  std::vector<double> OfGroups(std::size_t column, F f) const {
+    std::vector<double> values;
+    for (const GroupTimes& group : times[column]) values.push_back(f(group));
+    return values;
+  }
+  // Of a query, the mean of the groups: kappa.
+  PerShape<double> MeanSurvivors() const;
+  // The times with that exact test.
+  Ratio BoxOverSimplex(std::size_t column, double exact_ns) const;
 };
 
 // Ranges over the groups. Their ends are 0 and infinite as those of SizeSpan.
@@ -132,12 +135,11 @@ class Verdict {
 
  private:
   struct Place;
-  struct Times;
   using Spans = std::vector<std::vector<SizeSpan>>;  // of each column and group
 
   Place MakePlace(Run& run, double percent) const;
-  Times TimePlace(Run& run, Place& place, std::size_t column,
-                  const Effort& effort) const;
+  GroupTimes TimePlace(Run& run, Place& place, std::size_t column,
+                       const Effort& effort) const;
   void FindSpans(Run& run, std::map<double, Place>& places);
 
   std::size_t groups_ = 0;

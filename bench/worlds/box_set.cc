@@ -9,7 +9,7 @@
 namespace halfspace::bench {
 namespace {
 
-constexpr float kHalfCube = 50.0f;
+constexpr float kHalfWorld = 50.0f;
 
 // Nearly normal, with mean 0 and deviation 1; no more than 2 * sqrt(3) away.
 float NearlyNormal(Random& random) {
@@ -22,7 +22,7 @@ template <int kDims>
 Aabb<kDims> UniformBox(float side, Random& random) {
   Aabb<kDims> box;
   for (std::size_t k = 0; k < kDims; ++k) {
-    const float center = kHalfCube * random.Signed();
+    const float center = kHalfWorld * random.Signed();
     box.min[k] = center - side / 2;
     box.max[k] = center + side / 2;
   }
@@ -115,7 +115,7 @@ BoxSet<3> MakeTeapotInStadium(std::size_t count, float side,
 BoxSet<3> MakeGroundPlanes(std::size_t count, float side, std::uint64_t seed) {
   return MakeWithFew(count, side, seed, 5, [](std::size_t i, Aabb3& box) {
     const float z = 20.0f * static_cast<float>(i) - 40.0f;
-    box = {{-kHalfCube, -kHalfCube, z}, {kHalfCube, kHalfCube, z + 0.1f}};
+    box = {{-kHalfWorld, -kHalfWorld, z}, {kHalfWorld, kHalfWorld, z + 0.1f}};
   });
 }
 
@@ -132,7 +132,7 @@ BoxSet<3> MakeSixDecades(std::size_t count, float side, std::uint64_t seed) {
 
 BoxSet<3> MakeOnePlane(std::size_t count, float side, std::uint64_t seed) {
   // In the unit of the world, its square is the cube of the uniform side.
-  const float side_on_plane = side * std::sqrt(side / kHalfCube);
+  const float side_on_plane = side * std::sqrt(side / kHalfWorld);
   Random random(seed);
   return Make(count, [&] {
     Aabb3 box = UniformBox<3>(side_on_plane, random);
@@ -144,8 +144,8 @@ BoxSet<3> MakeOnePlane(std::size_t count, float side, std::uint64_t seed) {
 
 BoxSet<3> MakeLongObject(std::size_t count, float side, std::uint64_t seed) {
   return MakeWithFew(count, side, seed, 1, [](std::size_t, Aabb3& box) {
-    box.min[0] = -1e4f * kHalfCube;
-    box.max[0] = 1e4f * kHalfCube;
+    box.min[0] = -1e4f * kHalfWorld;
+    box.max[0] = 1e4f * kHalfWorld;
   });
 }
 

@@ -44,7 +44,7 @@ TEST(VerdictTest, ChoosesAScheduleInOneHalfOfTheRepetitions) {
 
 TEST(VerdictTest, BothBoundsChooseFromEquallyManySchedules) {
   std::array<std::set<Schedule>, 3> schedules;
-  for (const Contender& contender : LibraryContenders()) {
+  for (const Contender& contender : kContenders) {
     EXPECT_TRUE(schedules[static_cast<std::size_t>(contender.shape)]
                     .insert(contender.how)
                     .second);
@@ -56,21 +56,15 @@ TEST(VerdictTest, BothBoundsChooseFromEquallyManySchedules) {
 TEST(VerdictTest, ComparesShapesGroupByGroup) {
   VerdictWorld world;
   world.objects = 100;
-  world.group_survivors = {{.aabb = 1.0, .simplex = 2.0, .aabo = 1.0},
-                           {.aabb = 1.0, .simplex = 2.0, .aabo = 1.0},
-                           {.aabb = 1.0, .simplex = 2.0, .aabo = 1.0}};
-  world.cells.resize(1);
-  world.cells[0].simplex = {1.0, 2.0, 1.0};
-  world.cells[0].box = {2.0, 3.0, 1.5};
-  const Ratio ratio = world.OverSimplex(ShapeKind::kAabb, 0, 0.0);
+  world.survivors.assign(3, {.aabb = 1.0, .simplex = 2.0, .aabo = 1.0});
+  world.times = {{{{}, 1.0, 2.0}, {{}, 2.0, 3.0}, {{}, 1.0, 1.5}}};
+  const Ratio ratio = world.BoxOverSimplex(0, 0.0);
   EXPECT_EQ(ratio.low, 1.5);
   EXPECT_EQ(ratio.median, 1.5);
   EXPECT_EQ(ratio.high, 2.0);
   // Exact tests of 100 ns: 1 ns an object more for the box, 2 for the simplex.
-  EXPECT_NEAR(world.OverSimplex(ShapeKind::kAabb, 0, 100.0).median, 1.0, 1e-12);
-  EXPECT_EQ(
-      world.cells[0].Difference(ShapeKind::kAabb, ShapeKind::kSimplex).median,
-      1.0);
+  EXPECT_NEAR(world.BoxOverSimplex(0, 100.0).median, 1.0, 1e-12);
+  EXPECT_DOUBLE_EQ(world.MeanSurvivors().simplex, 2.0);
 }
 
 // What a range promises, for groups that differ in nothing but chance.
