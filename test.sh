@@ -22,7 +22,8 @@ builders; the choice of a target; and threads.
              hundredth of their scale
   --windows  for 64-bit Windows instead: cross-compiles a DLL of 2 and 3 dimensions by
              mingw-w64, and runs in wine, at a tenth of their scale, the same tests except
-             those that need GMP, the tests of the C API, and the examples
+             those that need GMP, the tests of the C API, the examples, and cpuinfo-bench
+             from the zip that cpack makes
 
 Other arguments are options of ctest that choose tests and what is printed, as in
 ./test.sh -R Range.

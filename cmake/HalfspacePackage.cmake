@@ -47,7 +47,8 @@ if(HALFSPACE_DEBIAN)
   return()
 endif()
 
-if(TARGET cpuinfo-bench)
+# Windows looks for libraries beside a program, and there all but the DLL are static.
+if(TARGET cpuinfo-bench AND NOT WIN32)
   # RPATH, not RUNPATH, so that the libraries beside it find each other too.
   file(RELATIVE_PATH bin_to_libraries "${CMAKE_INSTALL_FULL_BINDIR}"
        "${CMAKE_INSTALL_FULL_LIBDIR}/halfspace")
@@ -69,10 +70,12 @@ if(TARGET cpuinfo-bench)
 endif()
 
 # The DLL has the runtime of gcc in it, and Highway's code.
-if(MINGW AND CMAKE_CROSSCOMPILING AND NOT TARGET cpuinfo-bench)
+if(MINGW AND CMAKE_CROSSCOMPILING)
+  list(APPEND HALFSPACE_LICENSED_HEADERS "*/include/hwy/highway.h" "*-posix/libstdc++.a"
+       "*/x86_64-w64-mingw32/lib/libwinpthread.a")
   install(CODE "include(\"${CMAKE_CURRENT_LIST_DIR}/HalfspaceLicences.cmake\")
-halfspace_install_licences(\"${HALFSPACE_INSTALL_DOCDIR}/licences\" \"*/include/hwy/highway.h\"
-  \"*-posix/libstdc++.a\" \"*/x86_64-w64-mingw32/lib/libwinpthread.a\")"
+set(files \"${HALFSPACE_LICENSED_HEADERS}\")
+halfspace_install_licences(\"${HALFSPACE_INSTALL_DOCDIR}/licences\" \${files})"
     COMPONENT bundle EXCLUDE_FROM_ALL)
 endif()
 

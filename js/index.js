@@ -61,14 +61,13 @@ const names = { objects: 'boxes', queries: 'boxes', data: 'bytes', 'hs_bvh_blob(
 const named = (text) => text.replace(/\w+(\(\))?/g, (name) => names[name] ?? name);
 
 function failAsModule(argument = '') {
-  fail(named(text(wasm.error_argument()).replace(/->.*/, '')) || argument,
-    named(text(wasm.error_reason())));
+  fail(named(text(wasm.hs_last_error_argument()).replace(/->.*/, '')) || argument,
+    named(text(wasm.hs_last_error_reason())));
 }
 
-function check(result) {
-  // Results are signed: -1 is the largest size.
-  if (result === -1) failAsModule();
-  return result >>> 0;
+function check(status, argument) {
+  if (status !== 0) failAsModule(argument);
+  look();
 }
 
 function allocate(bytes) {
@@ -102,8 +101,18 @@ function makeRoom(count) {
   [results, room] = [block, size];
 }
 
-const oneValues = wasm.one_values();
-const oneResult = wasm.one_result();
+// The numbers of calls of one query, and what a call writes.
+const oneValues = allocate(8 * 8);
+const oneResult = allocate(8 * 4);
+
+// The number that a call wrote there.
+function resultOf(status, argument) {
+  check(status, argument);
+  return u32[oneResult / 4];
+}
+
+const idsAt = (address, count) => u32.slice(address / 4, address / 4 + count);
+const floatsAt = (address, count) => f32.slice(address / 4, address / 4 + count);
 
 // Arguments ---------------------------------------------------------------------------
 
@@ -192,12 +201,11 @@ const isDouble = (array) => (array instanceof Float64Array ? 1 : 0);
 
 // The BVH -----------------------------------------------------------------------------
 
-const registry = new FinalizationRegistry((bvh) => wasm.bvh_destroy(bvh));
+const registry = new FinalizationRegistry((bvh) => wasm.hs_bvh_destroy(bvh));
 
 // In place of boxes: a BVH of the module, for a new owner.
 class Made {
-  constructor(dimensions, bvh, argument) {
-    if (bvh === 0) failAsModule(argument);
+  constructor(dimensions, bvh) {
     this.dimensions = dimensions;
     this.bvh = bvh;
   }
@@ -216,9 +224,9 @@ export class BVH {
     }
     const made = boxes instanceof Made ? boxes : withMemory((allocate) => {
       const array = boxesOf('boxes', boxes, dimensions);
-      return new Made(dimensions, wasm.bvh_create(
+      return new Made(dimensions, resultOf(wasm.bvh_create(
         dimensions, isDouble(array), copyIn(allocate, array),
-        array.length / (2 * dimensions), quality === 'fast' ? 1 : 0));
+        array.length / (2 * dimensions), quality === 'fast' ? 1 : 0, oneResult)));
     });
     this.#bvh = made.bvh;
     this.#dimensions = made.dimensions;
@@ -232,17 +240,18 @@ export class BVH {
     }
     return withMemory((allocate) => {
       const address = copyIn(allocate, from);
-      const dimensions = check(wasm.blob_dimensions(address, from.length));
-      if (dimensions === 0) fail('bytes', 'expected a BVH of boxes, got another kind of bounds');
-      return new BVH(new Made(dimensions,
-        wasm.bvh_from_blob(dimensions, address, from.length), 'bytes'));
+      // HS_BOX2 is 1, and HS_BOX3 is 2.
+      const dimensions = 1 + resultOf(wasm.hs_blob_kind(address, from.length, oneResult));
+      if (dimensions > 3) fail('bytes', 'expected a BVH of boxes, got another kind of bounds');
+      return new BVH(new Made(dimensions, resultOf(
+        wasm.bvh_from_blob(dimensions, address, from.length, oneResult), 'bytes')));
     });
   }
 
   dispose() {
     if (!this.#bvh) return;
     registry.unregister(this);
-    wasm.bvh_destroy(this.#bvh);
+    wasm.hs_bvh_destroy(this.#bvh);
     this.#bvh = 0;
   }
 
@@ -252,19 +261,17 @@ export class BVH {
   }
 
   get dimensions() { return this.#dimensions; }
-  get size() { return check(wasm.bvh_size(this.#open())); }
-  get idLimit() { return check(wasm.bvh_id_limit(this.#open())); }
+  get size() { return resultOf(wasm.hs_bvh_size(this.#open(), oneResult)); }
+  get idLimit() { return resultOf(wasm.hs_bvh_id_limit(this.#open(), oneResult)); }
 
   get bounds() {
-    const address = wasm.bvh_bounds(this.#open());
-    look();
-    return f32.slice(address / 4, address / 4 + 2 * this.#dimensions);
+    check(wasm.hs_bvh_bounds(this.#open(), oneResult));
+    return floatsAt(oneResult, 2 * this.#dimensions);
   }
 
   toBytes() {
-    const size = check(wasm.bvh_blob(this.#open()));
-    look();
-    const address = u32[oneResult / 4];
+    check(wasm.hs_bvh_blob(this.#open(), oneResult, oneResult + 4));
+    const [address, size] = idsAt(oneResult, 2);
     return u8.slice(address, address + size);
   }
 
@@ -287,10 +294,9 @@ export class BVH {
       f64[to + dimensions + k] = max;
     }
     for (;;) {
-      const total = wasm.bvh_query(bvh, dimensions, 1, oneValues, 1, results, room, 0);
-      if (total === -1) failAsModule();
-      look();
-      if (total <= room) return u32.slice(results / 4, results / 4 + total);
+      const total = resultOf(wasm.bvh_query(bvh, dimensions, 1, oneValues, 1, results, room, 0,
+        oneResult));
+      if (total <= room) return idsAt(results, total);
       makeRoom(total);
     }
   }
@@ -304,15 +310,9 @@ export class BVH {
       const from = copyIn(allocate, array);
       const offsets = allocate(4 * (count + 1));
       for (;;) {
-        const total = check(wasm.bvh_query(bvh, dimensions, isDouble(array), from, count,
-          results, room, offsets));
-        look();
-        if (total <= room) {
-          return {
-            ids: u32.slice(results / 4, results / 4 + total),
-            offsets: u32.slice(offsets / 4, offsets / 4 + count + 1),
-          };
-        }
+        const total = resultOf(wasm.bvh_query(bvh, dimensions, isDouble(array), from, count,
+          results, room, offsets, oneResult));
+        if (total <= room) return { ids: idsAt(results, total), offsets: idsAt(offsets, count + 1) };
         makeRoom(total);
       }
     });
@@ -340,10 +340,9 @@ export class BVH {
     f64[to + dimensions - 1] = z;
     check(wasm.bvh_nearest(bvh, dimensions, 1, oneValues, 1, most,
       distanceOf('maxDistance', maxDistance), results, results + 4 * most));
-    look();
     let found = most;
     while (found > 0 && u32[results / 4 + found - 1] === NO_ID) --found;
-    return u32.slice(results / 4, results / 4 + found);
+    return idsAt(results, found);
   }
 
   nearestMany(points, k = 1, maxDistance = Infinity) {
@@ -357,12 +356,7 @@ export class BVH {
       const distances = allocate(4 * count * most);
       check(wasm.bvh_nearest(bvh, this.#dimensions, isDouble(array), from, count, most,
         distanceOf('maxDistance', maxDistance), ids, distances));
-      look();
-      return {
-        k: most,
-        ids: u32.slice(ids / 4, ids / 4 + count * most),
-        distances: f32.slice(distances / 4, distances / 4 + count * most),
-      };
+      return { k: most, ids: idsAt(ids, count * most), distances: floatsAt(distances, count * most) };
     });
   }
 
@@ -386,11 +380,7 @@ export class BVH {
       const ids = allocate(4 * count);
       const ts = allocate(4 * count);
       check(wasm.bvh_raycast(bvh, this.#dimensions, from, count, ids, ts));
-      look();
-      return {
-        ids: u32.slice(ids / 4, ids / 4 + count),
-        ts: f32.slice(ts / 4, ts / 4 + count),
-      };
+      return { ids: idsAt(ids, count), ts: floatsAt(ts, count) };
     });
   }
 
@@ -408,9 +398,9 @@ export class BVH {
     const bvh = this.#open();
     if (distanceOf('margin', margin) === Infinity) fail('margin', 'expected a finite number');
     for (;;) {
-      const total = check(wasm.bvh_pairs(bvh, other, margin, results, Math.floor(room / 2)));
-      look();
-      if (2 * total <= room) return u32.slice(results / 4, results / 4 + 2 * total);
+      const total = resultOf(wasm.bvh_pairs(bvh, other, margin, results, Math.floor(room / 2),
+        oneResult));
+      if (2 * total <= room) return idsAt(results, 2 * total);
       makeRoom(2 * total);
     }
   }
@@ -423,8 +413,7 @@ export class BVH {
       const from = copyIn(allocate, array);
       const ids = allocate(4 * count);
       check(wasm.bvh_insert(bvh, this.#dimensions, isDouble(array), from, count, ids));
-      look();
-      return u32.slice(ids / 4, ids / 4 + count);
+      return idsAt(ids, count);
     });
   }
 
@@ -440,13 +429,13 @@ export class BVH {
   erase(ids) {
     const bvh = this.#open();
     const list = idsOf(ids);
-    withMemory((allocate) => check(wasm.bvh_erase(bvh, copyIn(allocate, list), list.length)));
+    withMemory((allocate) => check(wasm.hs_bvh_erase(bvh, copyIn(allocate, list), list.length)));
   }
 
-  rebuild() { check(wasm.bvh_rebuild(this.#open())); }
+  rebuild() { check(wasm.hs_bvh_rebuild(this.#open(), 0)); }
 }
 
 if (Symbol.dispose) BVH.prototype[Symbol.dispose] = BVH.prototype.dispose;
 
 /** The version of the library, for example "0.1.0". */
-export const version = text(wasm.version());
+export const version = text(wasm.hs_version());

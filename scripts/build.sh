@@ -18,9 +18,9 @@ machine_tests=(
 # shellcheck disable=SC2034
 windows_tests=(
   scan_test kernels_test reject_test hash_test targets_test environment_test
-  broad_phase_threads_test dispatch_race_test range_threads_test c_test examples/all)
+  broad_phase_threads_test dispatch_race_test range_threads_test c_test examples/all cpuinfo-bench)
 # shellcheck disable=SC2034
-windows_names='^((scan|kernels|many|hash|targets|c|.*_threads|dispatch_race)_test$|example|environment_test.(SSE4|unknown)|package.stack)'
+windows_names='^((scan|kernels|reject|hash|targets|c|.*_threads|dispatch_race)_test$|example|environment_test.(SSE4|unknown)|package.(stack|zip))'
 
 # build_preset PRESET [-B FOLDER] [-DNAME=VALUE...] [TARGET...]: the build is in
 # build/FOLDER, without -B in build/PRESET.

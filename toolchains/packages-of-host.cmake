@@ -1,8 +1,16 @@
-# Highway's headers, from Debian's package for the machine that compiles: they are the same
-# for every machine. By a link, as /usr/include has headers of other packages, too.
-if(NOT DEFINED FETCHCONTENT_SOURCE_DIR_HIGHWAY AND EXISTS /usr/include/hwy/highway.h)
-  file(MAKE_DIRECTORY "${CMAKE_BINARY_DIR}/highway")
-  file(CREATE_LINK /usr/include/hwy "${CMAKE_BINARY_DIR}/highway/hwy" SYMBOLIC)
-  set(FETCHCONTENT_SOURCE_DIR_HIGHWAY "${CMAKE_BINARY_DIR}/highway" CACHE PATH
-      "Highway's headers")
+# Headers from Debian's packages for the machine that compiles: they are the same for every
+# machine. By links, as /usr/include has headers of other packages, too. The CMake packages
+# of these headers, and of Google Benchmark, are those of the folder `packages`.
+set(headers "${CMAKE_BINARY_DIR}/headers")
+foreach(name hwy CLI nlohmann)
+  if(EXISTS "/usr/include/${name}")
+    file(MAKE_DIRECTORY "${headers}")
+    file(CREATE_LINK "/usr/include/${name}" "${headers}/${name}" SYMBOLIC)
+  endif()
+endforeach()
+if(NOT DEFINED FETCHCONTENT_SOURCE_DIR_HIGHWAY AND EXISTS "${headers}/hwy/highway.h")
+  set(FETCHCONTENT_SOURCE_DIR_HIGHWAY "${headers}" CACHE PATH "Highway's headers")
 endif()
+foreach(package benchmark CLI11 nlohmann_json)
+  set(${package}_DIR "${CMAKE_CURRENT_LIST_DIR}/packages" CACHE PATH "For another system")
+endforeach()

@@ -1,6 +1,6 @@
 # WebAssembly with vectors of 128 bits, by Emscripten: Debian's, or that of EMSCRIPTEN in
 # the environment. Programs run in node.
-include("${CMAKE_CURRENT_LIST_DIR}/highway-of-host.cmake")
+include("${CMAKE_CURRENT_LIST_DIR}/packages-of-host.cmake")
 if(DEFINED ENV{EMSCRIPTEN})
   set(emscripten "$ENV{EMSCRIPTEN}")
 else()

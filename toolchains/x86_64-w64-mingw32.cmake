@@ -1,5 +1,5 @@
 # 64-bit Windows with gcc: Debian's mingw-w64 with POSIX threads. Programs run in wine.
-include("${CMAKE_CURRENT_LIST_DIR}/highway-of-host.cmake")
+include("${CMAKE_CURRENT_LIST_DIR}/packages-of-host.cmake")
 set(CMAKE_SYSTEM_NAME Windows)
 set(CMAKE_SYSTEM_PROCESSOR x86_64)
 set(CMAKE_C_COMPILER x86_64-w64-mingw32-gcc-posix)

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <memory>
 #include <system_error>
 #include <utility>
+
+#include "bench/base/text.h"
 
 namespace halfspace::bench {
 namespace {
@@ -52,13 +52,6 @@ bool Append(const std::string& path, const File& file, std::size_t most,
   if (std::ferror(file.get()) != 0) FailToRead(path, errno);
   bytes.resize(size + got);
   return got == most;
-}
-
-// from_chars does not tell a number that is too large from one that is too
-// small; strtof does, and the nearest float to the latter is a zero or the
-// smallest float. The program never leaves the "C" locale.
-float BeyondRange(const char* begin, const char* end) {
-  return std::strtof(std::string(begin, end).c_str(), nullptr);
 }
 
 }  // namespace
@@ -130,26 +123,19 @@ std::string Quoted(std::string_view text) {
 
 float ParseFloat(const TextLines& lines, std::string_view field) {
   constexpr const char* kAdvice = "write a number such as 1.5 or -2e3";
-  // from_chars knows no plus, and would take the minus of "+-1".
   const bool plus = field.starts_with('+') && !field.starts_with("+-");
-  const char* begin = field.data() + (plus ? 1 : 0);
-  const char* end = field.data() + field.size();
-  float value = 0;
-  const auto [stop, error] = std::from_chars(begin, end, value);
-  if (error == std::errc::invalid_argument || stop != end) {
-    lines.Fail(Quoted(field) + " is not a number", kAdvice);
+  const std::optional<float> value =
+      ParseNumber<float>(field.substr(plus ? 1 : 0));
+  if (!value) lines.Fail(Quoted(field) + " is not a number", kAdvice);
+  if (std::isinf(*value) &&
+      field.find_first_of("0123456789") != std::string_view::npos) {
+    lines.Fail(Quoted(field) + " is too large for a 32-bit float",
+               "scale the coordinates down");
   }
-  if (error == std::errc::result_out_of_range) {
-    value = BeyondRange(begin, end);
-    if (std::isinf(value)) {
-      lines.Fail(Quoted(field) + " is too large for a 32-bit float",
-                 "scale the coordinates down");
-    }
-  }
-  if (!std::isfinite(value)) {
+  if (!std::isfinite(*value)) {
     lines.Fail(Quoted(field) + " is not a finite number", kAdvice);
   }
-  return value;
+  return *value;
 }
 
 }  // namespace halfspace::bench

@@ -41,13 +41,10 @@ std::string CheckTarget(const std::string& name) {
 // Decimal: 010 is ten, and 0x10 nothing. 1e6 is a whole number, too.
 std::optional<std::uint64_t> ParseWhole(std::string_view text) {
   const char* const end = text.data() + text.size();
-  const auto is_all = [end](const std::from_chars_result& result) {
-    return result.ec == std::errc() && result.ptr == end;
-  };
   std::uint64_t whole = 0;
-  if (is_all(std::from_chars(text.data(), end, whole))) return whole;
-  double value = 0;
-  if (!is_all(std::from_chars(text.data(), end, value))) return std::nullopt;
+  const auto [stop, error] = std::from_chars(text.data(), end, whole);
+  if (error == std::errc() && stop == end) return whole;
+  const double value = ParseNumber<double>(text).value_or(-1);
   // Further up, not every whole number is a double.
   const bool is_exact =
       value >= 0 && value < 0x1p53 && value == std::floor(value);
@@ -74,11 +71,8 @@ CLI::Validator Whole(std::uint64_t least, std::uint64_t most) {
 CLI::Validator Above0UpTo(double most) {
   const std::string range = "above 0 up to " + Fixed(most, 0);
   const auto check = [=](const std::string& text) -> std::string {
-    const char* const end = text.data() + text.size();
-    double value = 0;
-    const auto [stop, error] = std::from_chars(text.data(), end, value);
-    const bool is_within =
-        error == std::errc() && stop == end && value > 0 && value <= most;
+    const double value = ParseNumber<double>(text).value_or(0);
+    const bool is_within = value > 0 && value <= most;
     return is_within ? "" : "\"" + text + "\" is not a number " + range;
   };
   return CLI::Validator(check, range);

@@ -10,7 +10,7 @@ cd "$work"
 npm pack --silent --pack-destination "$work" "$package"
 echo '{"private": true}' >package.json
 npm install --silent --offline --no-audit --no-fund ./halfspace-*.tgz
-cp "$here/test.mjs" "$here/browser.mjs" .
+cp "$here"/*.mjs .
 # The example of the README, as it stands.
 sed -n '/^```js$/,/^```$/{/^```/d;p}' "$package/README.md" >example.mjs
 HALFSPACE_TEST_DATA=$data node --test test.mjs

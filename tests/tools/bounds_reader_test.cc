@@ -91,6 +91,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"TwoNumbersInAField", "0,0,0 0,1,1,1\n", 1,
                 "\"0 0\" is not a number"},
         BadFile{"Word", "0,0,zero,1,1,1\n", 1, "\"zero\" is not a number"},
+        BadFile{"Hexadecimal", "0x1,0,0,1,1,1\n", 1, "\"0x1\" is not a number"},
         BadFile{"TrailingGarbage", "0,0,0,1,1,1m\n", 1,
                 "\"1m\" is not a number"},
         BadFile{"TrailingGarbageAfterCr", "# c\r0,0,0,1,1,1m\r", 2,
