@@ -353,35 +353,24 @@ void Nearest(const Call& call, const World& world, const hs_columns& columns,
   }
   call.CheckArray("ids", ids, columns.count * k);
   if (distances != nullptr) call.CheckPointer("distances", distances);
-  ForEachRows(
-      columns, values,
-      [&](const float* rows, std::size_t begin, std::size_t count) {
-        CheckBoxes(call, rows, begin, count, values.minima);
-        const Span<std::uint32_t> its_ids(ids + begin * k, count * k);
-        Span<float> its_distances;
-        if (distances != nullptr) {
-          its_distances = {distances + begin * k, count * k};
-        }
-        if constexpr (kIsBvh<World>) {
-          detail::BvhNearestOfEach(
-              world.tree, {rows, values.minima, values.count, count}, k,
-              max_distance, its_ids, its_distances, search);
-        } else {
-          for (std::size_t q = 0; q < count; ++q) {
-            const detail::NearQueries query = {rows + q * values.count,
-                                               values.minima, values.count, 1};
-            const Span<std::uint32_t> row(its_ids.data() + q * k, k);
-            Span<float> of_row;
-            if (distances != nullptr)
-              of_row = {its_distances.data() + q * k, k};
-            const std::size_t found =
-                world.core.Nearest(query, max_distance, row, of_row, search);
-            std::fill(row.begin() + found, row.end(), HS_NO_ID);
-            if (distances == nullptr) continue;
-            std::fill(of_row.begin() + found, of_row.end(), INFINITY);
-          }
-        }
-      });
+  ForEachRows(columns, values,
+              [&](const float* rows, std::size_t begin, std::size_t count) {
+                CheckBoxes(call, rows, begin, count, values.minima);
+                const Span<std::uint32_t> its_ids(ids + begin * k, count * k);
+                Span<float> its_distances;
+                if (distances != nullptr) {
+                  its_distances = {distances + begin * k, count * k};
+                }
+                const detail::NearQueries queries = {rows, values.minima,
+                                                     values.count, count};
+                if constexpr (kIsBvh<World>) {
+                  detail::BvhNearestOfEach(world.tree, queries, k, max_distance,
+                                           its_ids, its_distances, search);
+                } else {
+                  world.core.NearestOfEach(queries, k, max_distance, its_ids,
+                                           its_distances, search);
+                }
+              });
 }
 
 template <typename World>

@@ -12,7 +12,7 @@ install_packages valgrind
 # Results that depend on uninitialised memory, and leaks: one test of each kind of memory
 # that the library reads. The others read the same memory with more values.
 # Those that take long are first.
-tests=(quantized_test broad_phase_test bvh_test bvh_changes_test many_test fit_many_test
+tests=(quantized_test broad_phase_test bvh_test bvh_changes_test reject_test fit_many_test
   fit_test kernels_test memory_test worlds_test)
 # Where test.sh --full has built them with all dimensions, nothing is built again.
 built=$root/build/release

@@ -40,15 +40,15 @@ HWY_INLINE void ReadChunk(const void* from, Words& a, Words& b, Words& c,
   for (; l < bench::kReadBytes; l += vector) a = OrAt(a, from, l);
 }
 
-uint32_t ReadPlanes(bool by_plane, const float* const* planes,
-                    size_t plane_count, size_t bytes) {
+uint32_t ReadPlanes(size_t turn, const float* const* planes, size_t plane_count,
+                    size_t bytes) {
   auto a = hn::Zero(MemoryTag()), b = a, c = a, e = a;
   constexpr size_t kFloats = bench::kReadBytes / sizeof(float);
   const size_t floats = bytes / sizeof(float);
-  const size_t turn = by_plane ? floats : kFloats;
-  for (size_t begin = 0; begin < floats; begin += turn) {
+  for (size_t begin = 0; begin < floats; begin += turn / sizeof(float)) {
+    const size_t end = HWY_MIN(floats, begin + turn / sizeof(float));
     for (size_t p = 0; p < plane_count; ++p) {
-      for (size_t i = begin; i < begin + turn; i += kFloats) {
+      for (size_t i = begin; i < end; i += kFloats) {
         ReadChunk(planes[p] + i, a, b, c, e);
       }
     }

@@ -10,17 +10,16 @@
 
 namespace halfspace::bench {
 
-// What is read must be a multiple of so many bytes.
+// What is read, and a turn, must be a multiple of so many bytes.
 inline constexpr std::size_t kReadBytes = 256;
 
 struct TargetLoops {
   // Of the vectors that test floats for one query in the library.
   std::size_t (*one_query_lanes)() = nullptr;
 
-  // Reads `bytes` of each plane: 256 bytes of each in turn, as a flat kernel,
-  // or, with `by_plane`, one plane after the other. Returns all words ORed, so
-  // that no read can be left out.
-  std::uint32_t (*read)(bool by_plane, const float* const* planes,
+  // Reads `bytes` of each plane, `turn` bytes of each in turn: a flat kernel
+  // takes 256. Returns all words ORed, so that no read can be left out.
+  std::uint32_t (*read)(std::size_t turn, const float* const* planes,
                         std::size_t plane_count, std::size_t bytes) = nullptr;
 
   // Copies words, a multiple of 64, to where a cache line begins; `streamed`

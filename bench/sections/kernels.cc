@@ -1,8 +1,12 @@
 // Every shape, target, schedule and working set, against reading the planes.
+#include <algorithm>
+#include <cstddef>
+#include <span>
 #include <string>
 
 #include "bench/base/shape.h"
 #include "bench/base/text.h"
+#include "bench/inner/target_loops.h"
 #include "bench/sections/run.h"
 #include "bench/sections/sections.h"
 
@@ -12,10 +16,17 @@ namespace {
 void AddRows(Run& run, WorkingSet& set, ShapeKind shape, Table& table) {
   const std::string place = set.name() + "/" + NameOf(shape) + "/";
   std::vector<Case> cases;
-  for (bool by_plane : {false, true}) {
-    cases.push_back(
-        set.ReadCase("read/" + place + (by_plane ? "by plane" : "by word"),
-                     shape, by_plane, SupportedTargets().front()));
+  // By words as a kernel, by pages, and by planes, with vectors of the two
+  // greatest widths: which is fastest depends on the cache and its prefetchers.
+  const std::span<const Target> targets = SupportedTargets();
+  for (Target target :
+       targets.first(std::min<std::size_t>(2, targets.size()))) {
+    for (std::size_t turn :
+         {kReadBytes, std::size_t{4096}, set.objects() * sizeof(float)}) {
+      cases.push_back(set.ReadCase(
+          "read/" + place + NameOf(target) + "/" + std::to_string(turn), shape,
+          turn, target));
+    }
   }
   const std::size_t reads = cases.size();
   std::vector<Row> rows;
@@ -30,9 +41,10 @@ void AddRows(Run& run, WorkingSet& set, ShapeKind shape, Table& table) {
   }
   const std::vector<Timing> timings = run.Time(cases);
   const double bytes = static_cast<double>(PlaneCountOf(shape) * sizeof(float));
-  // The faster reader is the ceiling.
-  const Timing& read =
-      timings[timings[0].Median() < timings[1].Median() ? 0 : 1];
+  // The fastest reader is the ceiling.
+  const Timing& read = *std::min_element(
+      timings.begin(), timings.begin() + static_cast<std::ptrdiff_t>(reads),
+      [](const Timing& a, const Timing& b) { return a.Median() < b.Median(); });
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Timing& timing = timings[reads + i];
     rows[i].push_back(SpreadOf(timing));

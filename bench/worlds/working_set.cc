@@ -125,17 +125,17 @@ Case WorkingSet::LoopCase(std::string name, ShapeKind shape, const Scan& scan) {
       });
 }
 
-Case WorkingSet::ReadCase(std::string name, ShapeKind shape, bool by_plane,
+Case WorkingSet::ReadCase(std::string name, ShapeKind shape, std::size_t turn,
                           Target target) const {
   const std::size_t rounds =
       std::max<std::size_t>(1, kObjectsPerRun / objects());
   Case c;
   c.name = std::move(name);
   c.items = static_cast<double>(objects() * rounds);
-  c.run = [read = LoopsFor(target).read, by_plane, rounds,
+  c.run = [read = LoopsFor(target).read, turn, rounds,
            planes = PlanesOf(shape, view_), bytes = objects() * sizeof(float)] {
     for (std::size_t i = 0; i < rounds; ++i) {
-      KeepResult(read(by_plane, planes.data(), planes.size(), bytes));
+      KeepResult(read(turn, planes.data(), planes.size(), bytes));
     }
   };
   return c;

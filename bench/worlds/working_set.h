@@ -110,8 +110,9 @@ class WorkingSet {
                          std::size_t size, std::uint64_t* mask)>;
   Case LoopCase(std::string name, ShapeKind shape, const Scan& scan);
 
-  // Reading the shape's planes, with the vectors of a target.
-  Case ReadCase(std::string name, ShapeKind shape, bool by_plane,
+  // Reading the shape's planes, `turn` bytes of each in turn, with the vectors
+  // of a target.
+  Case ReadCase(std::string name, ShapeKind shape, std::size_t turn,
                 Target target) const;
 
  private:

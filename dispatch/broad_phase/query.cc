@@ -247,6 +247,15 @@ std::size_t BroadPhaseCore::Nearest(const NearQueries& query,
   });
 }
 
+void BroadPhaseCore::NearestOfEach(const NearQueries& queries, std::size_t k,
+                                   float max_distance, Span<std::uint32_t> ids,
+                                   Span<float> distances,
+                                   const SearchOptions& options) const {
+  AskCopy(*state_, [&](const BvhTree& tree) {
+    BvhNearestOfEach(tree, queries, k, max_distance, ids, distances, options);
+  });
+}
+
 void BroadPhaseCore::Cast(const LineCast& cast, NearFunction function,
                           void* context, const SearchOptions& options) const {
   Ask(

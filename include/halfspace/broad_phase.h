@@ -334,9 +334,10 @@ void CastLine(const BroadPhase<View>& bodies, const LineCast& cast,
 // Move(). It must return on the thread that called the query: a fiber must not
 // go on on another thread.
 //
-// SurvivorsOfEach(), KNearest(), PairsOf() and ForEachPairOf() copy the tree if
-// bodies have moved since the last Update() and another query runs. So call
-// Update() before them where queries run at the same time.
+// SurvivorsOfEach(), KNearest(), KNearestOfEach(), PairsOf() and
+// ForEachPairOf() copy the tree if bodies have moved since the last Update()
+// and another query runs. So call Update() before them where queries run at the
+// same time.
 
 // As Survivors() of bvh.h.
 template <typename View, typename Query = typename View::Query,
@@ -418,6 +419,28 @@ template <typename View, typename Box,
   return detail::CoreOf(bodies).Nearest(
       detail::NearQueriesOf(Span<const Box>(&box, 1)), max_distance, ids,
       distances, options);
+}
+
+// As KNearestOfEach() of bvh_nearest.h, from points or from boxes.
+template <typename View>
+void KNearestOfEach(const BroadPhase<View>& bodies,
+                    Span<const Point<View::Bound::kDimensions>> points,
+                    std::size_t k, Span<std::uint32_t> ids,
+                    Span<float> distances,
+                    float max_distance = std::numeric_limits<float>::infinity(),
+                    const SearchOptions& options = {}) {
+  detail::CoreOf(bodies).NearestOfEach(detail::NearQueriesOf(points), k,
+                                       max_distance, ids, distances, options);
+}
+template <typename View>
+void KNearestOfEach(const BroadPhase<View>& bodies,
+                    Span<const Aabb<View::Bound::kDimensions>> boxes,
+                    std::size_t k, Span<std::uint32_t> ids,
+                    Span<float> distances,
+                    float max_distance = std::numeric_limits<float>::infinity(),
+                    const SearchOptions& options = {}) {
+  detail::CoreOf(bodies).NearestOfEach(detail::NearQueriesOf(boxes), k,
+                                       max_distance, ids, distances, options);
 }
 
 // As RayCast(), BoxCast() and SphereCast() of bvh_nearest.h.

@@ -57,10 +57,12 @@ TEST(TargetLoopsTest, ReadsEveryByte) {
     std::vector<const float*> list;
     for (const auto& plane : planes) list.push_back(plane.data());
     for (Target target : SupportedTargets()) {
-      for (bool by_plane : {false, true}) {
-        SCOPED_TRACE(std::string(target.name()) + (by_plane ? ", plane" : ""));
+      // By words, in turns that do not divide a plane, and by planes.
+      for (std::size_t turn :
+           {kReadBytes, 3 * kReadBytes, kFloats * sizeof(float)}) {
+        SCOPED_TRACE(std::string(target.name()) + ", " + std::to_string(turn));
         const auto read = [&] {
-          return LoopsFor(target).read(by_plane, list.data(), count,
+          return LoopsFor(target).read(turn, list.data(), count,
                                        kFloats * sizeof(float));
         };
         EXPECT_EQ(read(), 0u);

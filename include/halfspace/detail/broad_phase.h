@@ -85,6 +85,9 @@ class HALFSPACE_API BroadPhaseCore {
   std::size_t Nearest(const NearQueries& query, float max_distance,
                       Span<std::uint32_t> ids, Span<float> distances,
                       const SearchOptions& options) const;
+  void NearestOfEach(const NearQueries& queries, std::size_t k,
+                     float max_distance, Span<std::uint32_t> ids,
+                     Span<float> distances, const SearchOptions& options) const;
   void Cast(const LineCast& cast, NearFunction function, void* context,
             const SearchOptions& options) const;
   std::size_t PairsOf(const BvhPairKernels* kernels,

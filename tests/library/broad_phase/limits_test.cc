@@ -3,9 +3,11 @@
 // memory it takes.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <new>
 #include <string>
 #include <utility>
@@ -616,6 +618,61 @@ TEST(BroadPhaseMemoryTest, NothingChangesWithoutMemory) {
     ExpectAnswers(bodies, model, 3);
   });
   expect(9);
+}
+
+// In a query, beside a body that moved since the last update.
+TEST(BroadPhaseMemoryTest, ManyNearestCopyTheTreeOnce) {
+  CountingMemory memory;
+  BroadPhaseOptions options;
+  options.memory = memory.resource();
+  Bodies bodies(options);
+  for (std::uint32_t id = 0; id < 300; ++id) {
+    const auto x = static_cast<float>(id);
+    bodies.Insert(id, {{x, 0, 0}, {x + 0.5f, 1, 1}});
+  }
+  bodies.Update();
+  Inside(bodies, [&] {
+    bodies.Move(7, kFar);
+    constexpr std::size_t kEach = 3;
+    const std::vector<Point3> points = {{7, 0, 0}, {90, 91, 92}, {20, 5, 5}};
+    const std::vector<Aabb3> boxes = {kFar, kUnit, Aabb3::Empty()};
+    std::vector<float> distances(points.size() * kEach);
+    Ids ids(distances.size());
+    std::size_t copy = 0;  // the allocations of one
+    const auto allocations_of = [&](const auto& call) {
+      const std::size_t before = memory.allocations;
+      call();
+      return memory.allocations - before;
+    };
+    const auto expect_rows = [&](const auto& queries) {
+      for (std::size_t q = 0; q < queries.size(); ++q) {
+        Ids row(kEach);
+        std::vector<float> its(kEach);
+        std::size_t found = 0;
+        copy = allocations_of(
+            [&] { found = KNearest(bodies, queries[q], row, its); });
+        row.resize(found);
+        row.resize(kEach, kNoId);
+        its.resize(found);
+        its.resize(kEach, std::numeric_limits<float>::infinity());
+        const std::size_t begin = q * kEach;
+        EXPECT_EQ(Ids(ids.begin() + begin, ids.begin() + begin + kEach), row);
+        EXPECT_TRUE(
+            std::equal(its.begin(), its.end(), distances.begin() + begin));
+      }
+    };
+    const std::size_t of_points = allocations_of(
+        [&] { KNearestOfEach(bodies, points, kEach, ids, distances); });
+    expect_rows(points);
+    EXPECT_EQ(ids[kEach], 7u);
+    const std::size_t of_boxes = allocations_of(
+        [&] { KNearestOfEach(bodies, boxes, kEach, ids, distances); });
+    expect_rows(boxes);
+    EXPECT_EQ(ids[0], 7u);
+    EXPECT_GT(copy, 0u);
+    EXPECT_EQ(of_points, copy);
+    EXPECT_EQ(of_boxes, copy);
+  });
 }
 
 TEST(BroadPhaseMemoryTest, TakesWhatTheHeaderSays) {

@@ -329,18 +329,17 @@ TEST(BroadPhaseThreadsTest, MovesQueriesAndChangesAtTheSameTime) {
     BroadPhaseOptions options;
     options.moves_wait_for_update = moves_wait;
     BroadPhaseThreads test(options);
-    {
-      std::vector<std::jthread> threads;
-      const auto start = [&](std::size_t count, auto member) {
-        for (std::size_t t = 0; t < count; ++t) {
-          threads.emplace_back([&test, member, t] { (test.*member)(t); });
-        }
-      };
-      start(kMovers, &BroadPhaseThreads::Move);
-      start(kChangers, &BroadPhaseThreads::Change);
-      start(kQueriers, &BroadPhaseThreads::Query);
-      start(1, &BroadPhaseThreads::Update);
-    }
+    std::vector<std::thread> threads;
+    const auto start = [&](std::size_t count, auto member) {
+      for (std::size_t t = 0; t < count; ++t) {
+        threads.emplace_back([&test, member, t] { (test.*member)(t); });
+      }
+    };
+    start(kMovers, &BroadPhaseThreads::Move);
+    start(kChangers, &BroadPhaseThreads::Change);
+    start(kQueriers, &BroadPhaseThreads::Query);
+    start(1, &BroadPhaseThreads::Update);
+    for (std::thread& thread : threads) thread.join();
     test.ExpectIsAsTheThreadsLeftIt();
   }
 }
@@ -356,7 +355,7 @@ TEST(BroadPhaseThreadsTest, AMoveThatMeetsAFlushIsNotLost) {
   Complaints complaints;
   std::atomic<bool> is_done{false};
   {
-    std::vector<std::jthread> movers;
+    std::vector<std::thread> movers;
     for (std::uint32_t thread = 0; thread < 2; ++thread) {
       movers.emplace_back([&, thread] {
         bool is_second = false;
@@ -379,6 +378,7 @@ TEST(BroadPhaseThreadsTest, AMoveThatMeetsAFlushIsNotLost) {
         complaints.Check(IsPlaceOf(id, bodies.Get(id)), "half of a move");
       }
     }
+    for (std::thread& mover : movers) mover.join();
   }
   EXPECT_TRUE(bodies.Validate());
 }
@@ -406,10 +406,10 @@ TEST(BroadPhaseThreadsTest, CallsThatRunAloneWaitForQueries) {
   for (const auto& call : calls) {
     std::atomic<bool> has_begun{false};
     std::atomic<bool> has_ended{false};
-    std::jthread other;
+    std::thread other;
     ForEachSurvivor(bodies, Aabb3::Everything(), [&](auto) {
       if (other.joinable()) return;
-      other = std::jthread([&] {
+      other = std::thread([&] {
         has_begun.store(true);
         call();
         has_ended.store(true);
@@ -422,7 +422,7 @@ TEST(BroadPhaseThreadsTest, CallsThatRunAloneWaitForQueries) {
         EXPECT_TRUE(AnySurvivor(bodies, PlaceOf(5, i % 2 == 0)).has_value());
       }
       // Of a thread that is in no query.
-      std::jthread([&] {
+      std::thread([&] {
         EXPECT_EQ(CountSurvivors(bodies, BothOf(5)) > 0, true);
       }).join();
       EXPECT_FALSE(has_ended.load());
@@ -440,7 +440,7 @@ TEST(BroadPhaseThreadsTest, ManyThreadsQuery) {
   }
   Complaints complaints;
   for (std::size_t turn = 0; turn < 2; ++turn) {
-    std::vector<std::jthread> threads;
+    std::vector<std::thread> threads;
     std::atomic<std::size_t> count{0};
     constexpr std::size_t kThreads = 90;
     for (std::uint32_t t = 0; t < kThreads; ++t) {
@@ -460,6 +460,7 @@ TEST(BroadPhaseThreadsTest, ManyThreadsQuery) {
         }
       });
     }
+    for (std::thread& thread : threads) thread.join();
   }
   EXPECT_TRUE(bodies.Validate());
 }
@@ -477,8 +478,9 @@ TEST(BroadPhaseThreadsTest, EventsDoNotDependOnTheRunner) {
     const auto run = [&] {
       for (std::size_t i = next++; i < parts; i = next++) part(i);
     };
-    std::jthread other(run);
+    std::thread other(run);
     run();
+    other.join();
   };
   std::vector<std::vector<IdPair>> events(2);
   for (std::size_t r = 0; r < 2; ++r) {

@@ -446,12 +446,13 @@ TEST(BvhThreadsTest, ShareRefitsAndBuilds) {
   AabbBvh3 same(bvh);
   const AabbWorld3 bounds = spread.Objects(40'000);
   const auto run = [](std::size_t count, const auto& part) {
-    std::vector<std::jthread> threads;
+    std::vector<std::thread> threads;
     for (std::size_t t = 0; t < 3; ++t) {
       threads.emplace_back([=, &part] {
         for (std::size_t i = t; i < count; i += 3) part(i);
       });
     }
+    for (std::thread& thread : threads) thread.join();
   };
   const auto are_same = [](const AabbBvh3& a, const AabbBvh3& b) {
     return std::ranges::equal(a.Blob(), b.Blob());

@@ -33,28 +33,27 @@ TEST(ErrorThreadsTest, EachThreadIsToldOfItsOwn) {
   std::array<std::size_t, 4> right{};
   std::atomic<std::size_t> running = right.size();
   SetErrorHandler(&Tell<0>);
-  {
-    std::vector<std::jthread> threads;
-    for (std::size_t t = 0; t < right.size(); ++t) {
-      threads.emplace_back([&, t] {
-        const AabbWorld3 world;
-        const std::string end = "got " + std::to_string(t);
-        for (std::size_t i = 0; i < calls; ++i) {
-          try {
-            world.Get(t);
-          } catch (const Told& told) {
-            right[t] += told.message.ends_with(end) && told.by <= 1 &&
-                        told_here == i + 1;
-          }
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < right.size(); ++t) {
+    threads.emplace_back([&, t] {
+      const AabbWorld3 world;
+      const std::string end = "got " + std::to_string(t);
+      for (std::size_t i = 0; i < calls; ++i) {
+        try {
+          world.Get(t);
+        } catch (const Told& told) {
+          right[t] +=
+              told.message.ends_with(end) && told.by <= 1 && told_here == i + 1;
         }
-        --running;
-      });
-    }
-    while (running != 0) {
-      EXPECT_EQ(SetErrorHandler(&Tell<1>), &Tell<0>);
-      EXPECT_EQ(SetErrorHandler(&Tell<0>), &Tell<1>);
-    }
+      }
+      --running;
+    });
   }
+  while (running != 0) {
+    EXPECT_EQ(SetErrorHandler(&Tell<1>), &Tell<0>);
+    EXPECT_EQ(SetErrorHandler(&Tell<0>), &Tell<1>);
+  }
+  for (std::thread& thread : threads) thread.join();
   SetErrorHandler(nullptr);
   for (std::size_t count : right) EXPECT_EQ(count, calls);
 }

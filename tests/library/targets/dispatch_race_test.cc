@@ -29,20 +29,19 @@ TEST(DispatchRaceTest, AllThreadsGetTheChosenTargetAndTheAnswer) {
   };
   std::array<Answer, kThreads> answers;
   std::barrier start(kThreads);
-  {
-    std::vector<std::jthread> threads;
-    for (Answer& mine : answers) {
-      threads.emplace_back([&world, &start, &mine] {
-        start.arrive_and_wait();
-        mine.ran = TargetThatRuns(world, Aabo3::Everything(), {});
-        mine.survivors = CountSurvivors(world, Aabo3::Everything());
-        // These calls keep the chosen target by themselves.
-        const float values[] = {0, 0, 0, 0};
-        const float* const planes[] = {values, values, values, values};
-        SurvivorsOfSimplices3(planes, 1, values, &mine.mask);
-      });
-    }
+  std::vector<std::thread> threads;
+  for (Answer& mine : answers) {
+    threads.emplace_back([&world, &start, &mine] {
+      start.arrive_and_wait();
+      mine.ran = TargetThatRuns(world, Aabo3::Everything(), {});
+      mine.survivors = CountSurvivors(world, Aabo3::Everything());
+      // These calls keep the chosen target by themselves.
+      const float values[] = {0, 0, 0, 0};
+      const float* const planes[] = {values, values, values, values};
+      SurvivorsOfSimplices3(planes, 1, values, &mine.mask);
+    });
   }
+  for (std::thread& thread : threads) thread.join();
   for (const Answer& one : answers) {
     EXPECT_EQ(one.survivors, kObjects);
     EXPECT_EQ(one.ran, ChosenTarget());
