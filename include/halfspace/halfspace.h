@@ -25,6 +25,7 @@
 //   runner.h       the caller's threads, for builds and refits of a BVH
 //   bvh_shapes.h   BVH queries by points, spheres, oriented boxes and others
 //   bvh_nearest.h  k nearest, ray casts and box casts on a BVH
+//   triangles.h    rays that hit triangles, and closest points of triangles
 //   bvh_pairs.h    all overlapping pairs of such worlds
 //   pair_events.h  which of these pairs began and ended since the last frame
 //   broad_phase.h  moving bodies: queries and pairs beside changes
@@ -62,6 +63,7 @@
 #include "halfspace/target.h"         // IWYU pragma: export
 #include "halfspace/targets.h"        // IWYU pragma: export
 #include "halfspace/transform.h"      // IWYU pragma: export
+#include "halfspace/triangles.h"      // IWYU pragma: export
 #include "halfspace/version.h"        // IWYU pragma: export
 #include "halfspace/visit.h"          // IWYU pragma: export
 #include "halfspace/world.h"          // IWYU pragma: export

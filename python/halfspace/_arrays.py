@@ -293,6 +293,19 @@ def vertices(value: Any, name: str) -> np.ndarray:
     return table.arrays[0]
 
 
+def triangles(value: Any, least: int) -> Arrays:
+    """At least so many triangles, as 9 columns of float32."""
+    array = numbers(value, "triangles")
+    if array.ndim != 3 or array.shape[1:] != (3, 3):
+        raise ValueError(f"triangles: expected shape (n, 3, 3), got {array.shape}")
+    if len(array) < least:
+        raise ValueError(
+            f"triangles: expected one for each of the ids up to {least - 1}, got "
+            f"{len(array)}"
+        )
+    return floats(_without_nan(array.reshape(-1, 9), "triangles").arrays)
+
+
 def faces(value: Any, name: str, count: int) -> np.ndarray:
     """Triples of indices below `count`, as a contiguous array of uint32."""
     array = _array(value, name)

@@ -258,6 +258,102 @@ class BVH(Searches):
             if len(ids):
                 yield np.stack([np.full(len(ids), begin, np.int64), ids])
 
+    def raycast(
+        self,
+        origins: Any,
+        directions: Any,
+        max_t: Any = float("inf"),
+        *,
+        triangles: Any = None,
+        all_hits: bool = False,
+        mask: Optional[int] = None,
+        threads: Optional[int] = 1,
+        progress: Optional[Progress] = None,
+    ) -> Tuple[Any, Any]:
+        """Finds the first box, or the first triangle, that each ray hits, or all.
+
+        Without `triangles` it is `BroadPhase.raycast`, which has the other arguments
+        and the results. `triangles` has the shape (n, 3, 3), in a tree of 3
+        dimensions: triangle i is inside of box i, as `bounds_of_triangles` makes it.
+        Rays then hit triangles, from both sides, and `ids` and `t` are of these.
+
+        Rays and triangles are rounded to the nearest float32. From there on, whether
+        a ray hits a triangle is exact: the edges and corners belong to it, so no ray
+        passes between two triangles that share an edge. A triangle without an area,
+        or in whose plane the ray lies, is not hit. `t` is within one float32 of the
+        exact value.
+
+        >>> import numpy as np, halfspace as hs
+        >>> vertices = np.array([[0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 3]])
+        >>> faces = [[0, 1, 2], [1, 3, 2]]
+        >>> tree = hs.BVH(hs.bounds_of_triangles(vertices, faces))
+        >>> tree.raycast([0.75, 0.75, 0], [0, 0, 1], triangles=vertices[faces])
+        (1, 2.0)
+        """
+        if triangles is None:
+            return super().raycast(
+                origins,
+                directions,
+                max_t,
+                all_hits=all_hits,
+                mask=mask,
+                threads=threads,
+                progress=progress,
+            )
+        its_triangles = self._triangles(triangles)
+        starts = _arrays.points(origins, "origins", 3)
+        rays, _, single = _arrays.casts(starts, "origins", directions, max_t, 3)
+        ids, t = self._tree.cast_to_triangles(
+            rays, its_triangles, bool(all_hits), *_arrays.how(mask, threads, progress)
+        )
+        if all_hits:
+            return (ids[1] if single else ids), t
+        return (int(ids[0, 0]), float(t[0, 0])) if single else (ids[:, 0], t[:, 0])
+
+    def closest_point(
+        self,
+        points: Any,
+        triangles: Any,
+        *,
+        max_distance: float = float("inf"),
+        mask: Optional[int] = None,
+        threads: Optional[int] = 1,
+        progress: Optional[Progress] = None,
+    ) -> Tuple[Any, Any, np.ndarray]:
+        """Finds the point of a mesh that is closest to each point.
+
+        `triangles` are those of `raycast`, and `points` have the shape (m, 3) or (3,).
+        Both are rounded to the nearest float32.
+
+        Returns `ids, distances, closest`: the closest triangle of each point, the
+        distance and the point of the triangle, of shape (m,), (m,) and (m, 3). Of
+        triangles at the same distance, the one with the least id. If none is within
+        `max_distance`, they are -1, inf and NaN. Distances are computed in float64 and
+        rounded.
+
+        >>> import halfspace as hs
+        >>> triangles = [[[0, 0, 0], [4, 0, 0], [0, 4, 0]]]
+        >>> tree = hs.BVH([[0, 0, 0, 4, 4, 0]])
+        >>> tree.closest_point([1, 1, 2], triangles)
+        (0, 2.0, array([1., 1., 0.], dtype=float32))
+        """
+        its_triangles = self._triangles(triangles)
+        table = _arrays.points(points, "points", 3)
+        ids, distances, closest = self._tree.closest_points(
+            _arrays.floats(table.arrays),
+            its_triangles,
+            _arrays.round_up(_arrays.not_negative(max_distance, "max_distance")),
+            *_arrays.how(mask, threads, progress),
+        )
+        if table.single:
+            return int(ids[0, 0]), float(distances[0, 0]), closest[0]
+        return ids[:, 0], distances[:, 0], closest
+
+    def _triangles(self, triangles: Any) -> _arrays.Arrays:
+        if self.dims != 3:
+            raise ValueError("triangles: expected a tree of 3 dimensions, not of 2")
+        return _arrays.triangles(triangles, self._tree.id_limit())
+
     def pairs(
         self,
         *,

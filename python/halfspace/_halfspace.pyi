@@ -114,6 +114,24 @@ class Tree(_Searches):
         threads: int,
         progress: _Progress,
     ) -> ndarray: ...
+    def cast_to_triangles(
+        self,
+        rays: _Arrays,
+        triangles: _Arrays,
+        finds_all: bool,
+        mask: int,
+        threads: int,
+        progress: _Progress,
+    ) -> Tuple[ndarray, ndarray]: ...
+    def closest_points(
+        self,
+        points: _Arrays,
+        triangles: _Arrays,
+        max_distance: float,
+        mask: int,
+        threads: int,
+        progress: _Progress,
+    ) -> Tuple[ndarray, ndarray, ndarray]: ...
     def insert(self, arrays: _Arrays) -> ndarray: ...
     def insert_as(self, arrays: _Arrays, ids: ndarray) -> None: ...
     def erase(self, ids: ndarray) -> None: ...

@@ -249,13 +249,24 @@ struct Searches {
                                      Its::kSpherecast, ids, ts);
                               });
     }
+    return FindHits(starts, work,
+                    [&](const hs_columns& some, std::size_t first,
+                        hs_hit_function function, void* context) {
+                      cast(some, first, Its::kEachRaycast, Its::kEachBoxcast,
+                           Its::kEachSpherecast, function, context);
+                    });
+  }
+
+  // All hits of each cast, sorted by t. each(some, first, function, context)
+  // calls a function for those of the casts from `first` on.
+  template <typename Each>
+  static pybind11::tuple FindHits(const Columns& starts, Work& work,
+                                  const Each& each) {
     return FindLists(starts, kPartQueries, work,
                      [&](const hs_columns& some, std::size_t first,
                          std::vector<Found>& list, std::size_t* ends) {
                        Hits hits{&list, ends};
-                       cast(some, first, Its::kEachRaycast, Its::kEachBoxcast,
-                            Its::kEachSpherecast, &Hits::Add,
-                            static_cast<void*>(&hits));
+                       each(some, first, &Hits::Add, &hits);
                        for (std::size_t i = 0, begin = 0; i < some.count; ++i) {
                          ends[i] = std::max(begin, ends[i]);
                          std::sort(list.data() + begin, list.data() + ends[i],

@@ -631,6 +631,57 @@ Ids PairsOf(Tree& tree, Tree* b, float margin, std::uint32_t mask,
   return ids;
 }
 
+// The first triangles that rays hit, or all of them, sorted by t. Triangle i is
+// that of object i.
+py::tuple CastToTriangles(Tree& tree, const py::tuple& its_rays,
+                          const py::tuple& its_triangles, bool finds_all,
+                          std::uint32_t mask, std::size_t threads,
+                          py::object progress) {
+  const Columns rays(its_rays);
+  const Columns triangles(its_triangles);
+  const hs_query_options options = Searches<Tree>::OptionsOf(mask);
+  Work work(threads, std::move(progress));
+  const Reading reading(tree);
+  if (finds_all) {
+    return Searches<Tree>::FindHits(
+        rays, work,
+        [&](const hs_columns& some, std::size_t, hs_hit_function function,
+            void* context) {
+          Check(hs_bvh_raycast_triangles_each(tree.get(), &some, &triangles,
+                                              &options, function, context));
+        });
+  }
+  return FindIdsAndFloats(
+      rays, 1, kPartQueries, work,
+      [&](const hs_columns& some, std::size_t, std::uint32_t* ids, float* ts) {
+        Check(hs_bvh_raycast_triangles(tree.get(), &some, &triangles, &options,
+                                       ids, ts));
+      });
+}
+
+// The triangles that are closest to points, their distances and the points on
+// them, of shape (n, 3).
+py::tuple ClosestPoints(Tree& tree, const py::tuple& its_points,
+                        const py::tuple& its_triangles, float max_distance,
+                        std::uint32_t mask, std::size_t threads,
+                        py::object progress) {
+  const Columns points(its_points);
+  const Columns triangles(its_triangles);
+  const hs_query_options options = Searches<Tree>::OptionsOf(mask);
+  py::array_t<float> closest(std::vector<std::size_t>{points.count, 3});
+  float* const to = closest.mutable_data();
+  Work work(threads, std::move(progress));
+  const Reading reading(tree);
+  const py::tuple found = FindIdsAndFloats(
+      points, 1, kPartQueries, work,
+      [&](const hs_columns& some, std::size_t first, std::uint32_t* ids,
+          float* distances) {
+        Check(hs_bvh_closest_points(tree.get(), &some, &triangles, max_distance,
+                                    &options, ids, to + 3 * first, distances));
+      });
+  return py::make_tuple(found[0], found[1], closest);
+}
+
 ShortIds Insert(Tree& tree, const py::tuple& arrays) {
   const Columns boxes(arrays);
   ShortIds ids(Size(boxes.count));
@@ -757,6 +808,8 @@ void DefineTree(py::module_& module) {
       .def("query_some", &QuerySome)
       .def("blob", &BlobOf)
       .def("pairs", &PairsOf)
+      .def("cast_to_triangles", &CastToTriangles)
+      .def("closest_points", &ClosestPoints)
       .def("insert", &Insert)
       .def("insert_as", &SetSome<&hs_bvh_insert_as>)
       .def("erase", &Erase)

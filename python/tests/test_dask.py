@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 distributed = pytest.importorskip("distributed")
+pd = pytest.importorskip("pandas")
 
 import dask.array  # noqa: E402
 import dask.core  # noqa: E402
 import dask.dataframe  # noqa: E402
 import dask.sizeof  # noqa: E402
-import pandas as pd  # noqa: E402
 
 import halfspace as hs  # noqa: E402
 import halfspace.dask as hd  # noqa: E402

@@ -60,3 +60,112 @@ def test_targets():
             assert "ValueError: HALFSPACE_TARGET: " in run.stderr and "NONE" in run.stderr
         else:
             assert run.stdout == "[0]\n"
+
+
+def ball(rng, n=24, m=16):
+    """A closed mesh: the vertices, moved a little, and the faces."""
+    u, v = (grid.ravel() for grid in np.mgrid[:n, 1:m])
+    a, b = u * 2 * np.pi / n, v * np.pi / m
+    ring = np.stack([np.sin(b) * np.cos(a), np.sin(b) * np.sin(a), np.cos(b)], axis=1)
+    vertices = np.concatenate([ring, [[0, 0, 1], [0, 0, -1]]])
+    vertices = vertices * rng.uniform(0.9, 1.1, (len(vertices), 1))
+    at = lambda i, j: i % n * (m - 1) + j
+    faces = []
+    for i in range(n):
+        for j in range(m - 2):
+            faces += [[at(i, j), at(i + 1, j), at(i + 1, j + 1)],
+                      [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
+        faces += [[at(i, 0), at(i + 1, 0), n * (m - 1)],
+                  [at(i, m - 2), at(i + 1, m - 2), n * (m - 1) + 1]]
+    return vertices, np.array(faces)
+
+
+def test_no_ray_from_inside_passes_a_closed_mesh(rng):
+    vertices, faces = ball(rng)
+    triangles = vertices[faces]
+    tree = hs.BVH(hs.bounds_of_triangles(vertices, faces))
+    origins = np.concatenate([np.zeros((len(vertices), 3)), rng.uniform(-0.2, 0.2, (3000, 3))])
+    some = triangles[rng.integers(0, len(faces), 3000)]
+    weight = rng.random((3000, 1))
+    edges = some[:, 0] + weight * (some[:, 1] - some[:, 0])
+    directions = np.concatenate([vertices, edges - origins[len(vertices):]])
+    ids, t = tree.raycast(origins, directions, triangles=triangles)
+    assert (ids >= 0).all()
+    np.testing.assert_allclose(t, 1, atol=2e-5)
+    # A ray to a corner hits the faces around it: at least those of float32.
+    exact = vertices.astype(np.float32).astype(float)
+    (rows, hit), far = tree.raycast([0, 0, 0], exact, triangles=triangles, all_hits=True)
+    around = np.array([[v in face for face in faces] for v in range(len(vertices))])
+    found = np.zeros(around.shape, bool)
+    found[rows, hit] = True
+    assert (found == around).all()
+    assert (np.diff(far)[np.diff(rows) == 0] >= 0).all()
+
+
+def test_rays_hit_what_they_hit_one_by_one(rng):
+    triangles = rng.random((2000, 1, 3)) + 0.3 * rng.random((2000, 3, 3))
+    tree = hs.BVH(np.hstack([triangles.min(axis=1), triangles.max(axis=1)]))
+    origins, directions = rng.random((2, 300, 3))
+    directions -= 0.5
+    ids, t = tree.raycast(origins, directions, 0.8, triangles=triangles, threads=2)
+    (rows, hits), far = tree.raycast(origins, directions, 0.8, triangles=triangles,
+                                     all_hits=True)
+    p, q, r = triangles[:, None].transpose(2, 0, 1, 3)
+    normal = np.cross(q - p, r - p)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        when = (normal * (p - origins)).sum(axis=2) / (normal * directions).sum(axis=2)
+    at = origins + when[..., None] * directions
+    inside = (when >= 0) & (when <= 0.8)
+    for a, b in ((p, q), (q, r), (r, p)):
+        inside &= (np.cross(b - a, at - a) * normal).sum(axis=2) >= 0
+    # Those of float64 can differ for hits next to an edge.
+    expected = np.where(inside, when, np.inf).T
+    found = np.full(expected.shape, np.inf)
+    found[rows, hits] = far
+    differs = np.isinf(found) != np.isinf(expected)
+    assert differs.sum() <= 2 and np.isfinite(found).sum() > 300
+    both = np.isfinite(found) & ~differs
+    np.testing.assert_allclose(found[both], expected[both], rtol=1e-3, atol=1e-5)
+    np.testing.assert_array_equal(t, found.min(axis=1).astype(np.float32))
+    assert (found[np.arange(300), ids][ids >= 0] == t[ids >= 0]).all()
+    for i in range(20):
+        assert tree.raycast(origins[i], directions[i], 0.8,
+                            triangles=triangles) == (ids[i], t[i])
+    assert (tree.raycast(origins, directions, triangles=triangles, mask=0)[0] == -1).all()
+
+
+def test_closest_points(rng):
+    triangles = rng.random((1500, 1, 3)) + 0.1 * rng.random((1500, 3, 3))
+    tree = hs.BVH(np.hstack([triangles.min(axis=1), triangles.max(axis=1)]))
+    points = rng.random((200, 3)) * 1.4 - 0.2
+    ids, distances, closest = tree.closest_point(points, triangles, threads=2)
+    np.testing.assert_allclose(np.linalg.norm(closest - points, axis=1), distances, atol=1e-6)
+    # Each point of a dense grid of each triangle is at least as far.
+    u, v = (w.ravel() for w in np.meshgrid(np.linspace(0, 1, 12), np.linspace(0, 1, 12)))
+    u, v = u[u + v <= 1], v[u + v <= 1]
+    grid = np.einsum("wk,nkd->nwd", np.stack([1 - u - v, u, v], axis=1), triangles)
+    for i in range(len(points)):
+        far = np.linalg.norm(grid - points[i], axis=2)
+        assert distances[i] <= far.min() + 1e-6 and far.min() < distances[i] + 0.02
+        assert far[ids[i]].min() < distances[i] + 0.02
+        assert abs(distances[i] - tree.closest_point(points[i], triangles)[1]) == 0
+    near = tree.closest_point(points, triangles, max_distance=0.05)
+    np.testing.assert_array_equal(near[0], np.where(distances <= np.float32(0.05), ids, -1))
+    assert np.isnan(near[2][near[0] < 0]).all() and np.isinf(near[1][near[0] < 0]).all()
+
+
+def test_bad_triangles():
+    tree = hs.BVH(np.tile([0, 0, 0, 1, 1, 1.0], (3, 1)))
+    good = np.ones((3, 3, 3))
+    with pytest.raises(ValueError, match=r"triangles: expected shape \(n, 3, 3\), got"):
+        tree.raycast([0, 0, 0], [1, 0, 0], triangles=np.ones((3, 9)))
+    with pytest.raises(ValueError, match="one for each of the ids up to 2, got 2"):
+        tree.closest_point([0, 0, 0], good[:2])
+    with pytest.raises(ValueError, match="triangles.1.: expected numbers, got NaN"):
+        tree.closest_point([0, 0, 0], np.where(np.arange(27).reshape(3, 3, 3) == 12, np.nan, 1))
+    with pytest.raises(ValueError, match="3 dimensions, not of 2"):
+        hs.BVH([[0, 0, 1, 1]]).raycast([0, 0], [1, 0], triangles=good)
+    with pytest.raises(ValueError, match="max_distance"):
+        tree.closest_point([0, 0, 0], good, max_distance=-1)
+    assert tree.raycast([0, 0, 0], [1, 1, 1], triangles=good)[0] == -1
+    assert tree.closest_point([0, 0, 0], good)[0] == 0

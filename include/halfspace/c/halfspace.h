@@ -667,6 +667,33 @@ HALFSPACE_API hs_status hs_bvh_spherecast_each(
     const hs_bvh* bvh, const hs_columns* spheres, const hs_columns* motions,
     const hs_query_options* options, hs_hit_function function, void* context);
 
+// Triangles (triangles.h): 9 columns of floats, the coordinates of the three
+// corners one after another. Triangle i must be inside of the bound of object
+// i, as hs_bound_triangles() makes it, and there must be at least
+// hs_bvh_id_limit() triangles. The BVH has 3 dimensions. Doubles are
+// HS_INVALID_ARGUMENT.
+//
+// Writes the triangle that each ray hits first, and where. Whether a ray hits a
+// triangle is decided exactly, so no ray passes between triangles that share an
+// edge. The rest is as in hs_bvh_raycast() and hs_bvh_raycast_each(), which
+// have the boxes instead.
+HALFSPACE_API hs_status hs_bvh_raycast_triangles(
+    const hs_bvh* bvh, const hs_columns* rays, const hs_columns* triangles,
+    const hs_query_options* options, uint32_t* ids, float* ts);
+HALFSPACE_API hs_status hs_bvh_raycast_triangles_each(
+    const hs_bvh* bvh, const hs_columns* rays, const hs_columns* triangles,
+    const hs_query_options* options, hs_hit_function function, void* context);
+
+// Writes the triangle that is closest to each point within `max_distance`,
+// which may be INFINITY; HS_NO_ID and INFINITY if there is none. Of those at
+// the same distance, the one with the least id. Points are 3 columns of floats.
+// `closest` receives 3 coordinates for each point, on the triangle. `closest`
+// and `distances` may be null.
+HALFSPACE_API hs_status hs_bvh_closest_points(
+    const hs_bvh* bvh, const hs_columns* points, const hs_columns* triangles,
+    float max_distance, const hs_query_options* options, uint32_t* ids,
+    float* closest, float* distances);
+
 // The ids of two objects. In a join, `a` is of the first BVH.
 typedef struct hs_id_pair {
   uint32_t a;
