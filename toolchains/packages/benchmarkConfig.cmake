@@ -2,9 +2,13 @@
 if(TARGET benchmark::benchmark)
   return()
 endif()
+# They are beside the package for this system.
+execute_process(COMMAND apt-get download --print-uris libbenchmark-dev
+  OUTPUT_VARIABLE sources ERROR_QUIET)
+string(REGEX REPLACE "^'([^']*/).*$" "\\1benchmark_1.7.1.orig.tar.gz" sources "${sources}")
 include(FetchContent)
 FetchContent_Declare(benchmark
-  URL http://deb.debian.org/debian/pool/main/b/benchmark/benchmark_1.7.1.orig.tar.gz
+  URL "${sources}"
   URL_HASH SHA256=6430e4092653380d9dc4ccb45a1e2dc9259d581f4866dc0759713126056bc1d7
   DOWNLOAD_EXTRACT_TIMESTAMP OFF)
 FetchContent_GetProperties(benchmark)
