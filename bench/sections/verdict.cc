@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -95,22 +96,26 @@ std::vector<std::string> LeadOf(const Verdict& verdict, double exact_ns) {
     return RatioRow{verdict.columns()[c].name,
                     verdict.worlds()[0].BoxOverSimplex(c, ns)};
   };
+  const auto with = [](std::vector<std::string> lines,
+                       std::vector<std::string> more) {
+    std::move(more.begin(), more.end(), std::back_inserter(lines));
+    return lines;
+  };
+  if (verdict.is_of_file()) {
+    std::vector<RatioRow> ratios;
+    for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
+      ratios.push_back(ratio(c, 0.0));
+    }
+    return with(RatioLead(ratios),
+                ExactRatioLead(ratio(best, exact_ns), exact_ns));
+  }
   std::vector<LeadRow> rows;
-  std::vector<RatioRow> ratios;
   for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
     rows.push_back({verdict.columns()[c].name, verdict.CrossingsOf(c)});
-    ratios.push_back(ratio(c, 0.0));
   }
-  std::vector<std::string> lines =
-      verdict.is_of_file() ? RatioLead(ratios) : SizeLead(rows, sizes);
-  for (std::string& line :
-       verdict.is_of_file()
-           ? ExactRatioLead(ratio(best, exact_ns), exact_ns)
-           : ExactLead({rows[best].name, verdict.CrossingsWithExact(best)},
-                       sizes, exact_ns)) {
-    lines.push_back(std::move(line));
-  }
-  return lines;
+  return with(SizeLead(rows, sizes),
+              ExactLead({rows[best].name, verdict.CrossingsWithExact(best)},
+                        sizes, exact_ns));
 }
 
 // A size; nothing if it lies beyond those that were measured.
