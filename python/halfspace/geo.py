@@ -374,7 +374,10 @@ def _joined(
     added = pandas.DataFrame(other.drop(columns=other.geometry.name))
     name = f"index_{lsuffix if is_right else rsuffix}"
     levels = added.index.nlevels
-    added.index.names = [name] if levels == 1 else [f"{name}{i}" for i in range(levels)]
+    # A renamed copy, as the index is the caller's.
+    added.index = added.index.set_names(
+        [name] if levels == 1 else [f"{name}{i}" for i in range(levels)]
+    )
     # No row has the number -1.
     added = added.reset_index().reindex(ids[order])
     added.index = result.index

@@ -238,8 +238,10 @@ def same(found, expected):
 @pytest.mark.parametrize("number", range(7))
 def test_sjoin_is_that_of_geopandas(how, number):
     geopandas = pytest.importorskip("geopandas")
+    pandas = pytest.importorskip("pandas")
     pytest.importorskip("rtree")
     left, right = frames()[number]
+    copies = pickle.loads(pickle.dumps((left, right)))
     for predicate in ("intersects", "within", "contains", "touches", "covers"):
         options = {"how": how, "predicate": predicate, "lsuffix": "l", "rsuffix": "r"}
         found = geo.sjoin(left, right, **options)
@@ -250,6 +252,10 @@ def test_sjoin_is_that_of_geopandas(how, number):
             rows = [places[key] for key in found.index]
             assert rows == sorted(rows)
     same(geo.sjoin(left, right), geopandas.sjoin(left, right))
+    # The join changed neither.
+    for frame, copy in zip((left, right), copies):
+        pandas.testing.assert_frame_equal(frame, copy)
+        assert frame.index.names == copy.index.names
 
 
 @pytest.mark.parametrize("how", ["inner", "left", "right"])
@@ -287,6 +293,18 @@ def test_sjoin_errors():
         geo.sjoin(frame, frame, predicate="near")
     with pytest.warns(UserWarning, match="left_df has the CRS None, and right_df EPSG:4326"):
         geo.sjoin(frame, frame.set_crs("EPSG:4326"))
+    for call, name in [
+        (lambda: geo.sjoin(frame.assign(index=1), frame.assign(index=1)), "index_right"),
+        (lambda: geo.sjoin(frame, frame, "right", lsuffix="x", rsuffix="x"), "a_x"),
+        (lambda: geo.sjoin(frame.assign(a_left=1), frame), "a_left"),
+        (lambda: geo.sjoin_nearest(frame, frame, distance_col="a_left"), "a_left"),
+        (lambda: geo.sjoin_nearest(frame, frame, distance_col="geometry"), "geometry"),
+    ]:
+        with pytest.raises(ValueError, match=f"the result would have two columns '{name}'"):
+            call()
+    # Two columns of one name in a frame are the caller's.
+    twice = frame_of(3, 7, ["b", "c"]).rename(columns={"c": "b"})
+    assert list(geo.sjoin(twice, frame).columns) == ["b", "b", "geometry", "index_right", "a"]
     near = geo.sjoin(frame, frame, predicate="dwithin", distance=100)
     there = sum(map(is_there, frame.geometry))
     assert len(near) == there**2
