@@ -315,14 +315,7 @@ def sjoin_nearest(
         its.geometry, max_distance, return_distance=True, exclusive=exclusive
     )
     left, right = (ids, rows) if how == "right" else (rows, ids)
-    joined = _joined(left_df, right_df, left, right, how, lsuffix, rsuffix, distances)
-    distances = joined.pop(_DISTANCES)
-    if distance_col is not None:
-        joined[distance_col] = distances
-    return joined
-
-
-_DISTANCES = "halfspace: distances"
+    return _joined(left_df, right_df, left, right, how, lsuffix, rsuffix, distances, distance_col)
 
 
 def _check_frames(left_df: Any, right_df: Any, how: str, lsuffix: str, rsuffix: str) -> None:
@@ -356,8 +349,9 @@ def _joined(
     lsuffix: str,
     rsuffix: str,
     distances: Optional[np.ndarray] = None,
+    distance_col: Optional[str] = None,
 ) -> Any:
-    """The frame of pairs of rows, and with distances their column."""
+    """The frame of pairs of rows, and with `distance_col` the column of distances."""
     import pandas  # type: ignore
 
     is_right = how == "right"
@@ -382,6 +376,9 @@ def _joined(
     added = added.reset_index().reindex(ids[order])
     added.index = result.index
     both = result.columns.intersection(added.columns)
+    were_twice = np.concatenate(
+        [frame.columns.duplicated() for frame in ((added, result) if is_right else (result, added))]
+    )
     its_suffix, other_suffix = (rsuffix, lsuffix) if is_right else (lsuffix, rsuffix)
     geometry = result.geometry.name
     result = result.rename(columns={column: f"{column}_{its_suffix}" for column in both})
@@ -390,9 +387,15 @@ def _joined(
     added = added.rename(columns={column: f"{column}_{other_suffix}" for column in both})
     geometry = result.geometry.name
     parts = [added, result] if is_right else [result, added]
+    names = parts[0].columns.append(parts[1].columns)
+    names = names.append(pandas.Index([] if distance_col is None else [distance_col]))
+    twice = names.duplicated()
+    twice[:len(were_twice)] &= ~were_twice
+    if twice.any():
+        raise ValueError(f"the result would have two columns {names[twice][0]!r}")
     joined = type(its)(pandas.concat(parts, axis=1), geometry=geometry, crs=its.crs)
-    if distances is not None:
-        joined[_DISTANCES] = values[order]
+    if distance_col is not None:
+        joined[distance_col] = values[order]
     return joined
 
 
