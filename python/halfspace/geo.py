@@ -246,7 +246,10 @@ class STRtree:
         for i, row in enumerate(rows.tolist()):
             if row != last:
                 last, test = row, getattr(prep(a[i]), predicate)
-            holds[i] = test(b[i])
+            try:
+                holds[i] = test(b[i])
+            except AttributeError:  # shapely asks the prepared geometry whether it is valid
+                holds[i] = getattr(a[i], predicate)(b[i])
         return holds
 
 

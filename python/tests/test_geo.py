@@ -197,6 +197,16 @@ def test_errors(call, error, message):
         call()
 
 
+# Prepared geometries of shapely 1.8 fail to raise the error.
+@pytest.mark.skipif(geo._IS_VECTORISED, reason="shapely 2 has another error")
+def test_an_invalid_polygon_raises_the_error_of_shapely():
+    from shapely.errors import TopologicalError
+
+    bow = Polygon([(0, 0), (2, 2), (2, 0), (0, 2)])
+    with pytest.raises(TopologicalError, match="invalidity of the geometry"):
+        geo.STRtree([box(0, 0, 1, 1)]).query(bow, "touches")
+
+
 def frame_of(count, seed, names, index=None):
     geopandas = pytest.importorskip("geopandas")
     random = np.random.default_rng(seed)
