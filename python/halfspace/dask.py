@@ -12,7 +12,8 @@ Boxes and points are rows of a dask array, also one of unknown chunk sizes, of d
 arrays, of a data frame (dask's, pandas', geopandas' or dask-geopandas'), of an array, or
 of files, as a list of paths of `.npy` or `.parquet` files that every worker can read. A
 frame has the columns `minx, miny, maxx, maxy` or `xmin, ymin, xmax, ymax`, the column
-`bbox` of GeoParquet, geometries, or only columns of numbers.
+`bbox` of GeoParquet, geometries, or only columns of numbers. Where it also has both
+columns of z, boxes have 3 dimensions.
 
 The id of an object is its row in the whole collection, an int64. Boxes mean what they
 mean in `halfspace.BVH`: boxes that touch overlap, and boxes of doubles are rounded
@@ -146,7 +147,9 @@ def _read_parquet(path: str):
     return pandas.read_parquet(path)
 
 
-_BOUNDS = (["minx", "miny", "maxx", "maxy"], ["xmin", "ymin", "xmax", "ymax"])
+_BOUNDS = [names.split() for names in (
+    "minx miny minz maxx maxy maxz", "xmin ymin zmin xmax ymax zmax",
+    "minx miny maxx maxy", "xmin ymin xmax ymax")]
 
 
 def _without_names(chunk):
@@ -159,8 +162,9 @@ def _without_names(chunk):
         return chunk
     if "bbox" in chunk.columns:
         boxes = list(chunk["bbox"])
-        return np.array([[box[name] for name in _BOUNDS[1]] for box in boxes],
-                        np.float64).reshape(-1, 4)
+        names = _BOUNDS[1 if boxes and "zmin" in boxes[0] and "zmax" in boxes[0] else 3]
+        return np.array([[box[name] for name in names] for box in boxes],
+                        np.float64).reshape(-1, len(names))
     for names in _BOUNDS:
         if set(names) <= set(chunk.columns):
             return chunk[names].to_numpy()

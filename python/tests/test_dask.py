@@ -253,6 +253,21 @@ def test_lazy_sources(no_client, tmp_path, monkeypatch, source, partitions):
     assert len(tree) == 2000
 
 
+AXES = "xmin ymin zmin xmax ymax zmax"
+
+
+@pytest.mark.parametrize("frame", [
+    lambda boxes: frame_of(boxes, AXES),
+    lambda boxes: frame_of(boxes, "minx miny minz maxx maxy maxz").assign(a=1),
+    lambda boxes: frame_of(boxes[:, ::-1], "maxz maxy maxx minz miny minx"),
+    lambda boxes: pd.DataFrame({"bbox": [dict(zip(AXES.split(), box)) for box in boxes]}),
+])
+def test_columns_of_three_dimensions(no_client, frame):
+    boxes = uniform(np.random.default_rng(16), 50)
+    tree = hd.BVH(frame(boxes), partitions=2).compute()
+    np.testing.assert_array_equal(tree.boxes(), hs.BVH(boxes).boxes())
+
+
 def test_geometries(client):
     """Frames of geopandas, and by their interface those of dask-geopandas."""
     geopandas = pytest.importorskip("geopandas")
