@@ -152,19 +152,26 @@ _BOUNDS = [names.split() for names in (
     "minx miny maxx maxy", "xmin ymin xmax ymax")]
 
 
+def _empty_if_null(boxes: np.ndarray) -> np.ndarray:
+    dims = boxes.shape[1] // 2
+    boxes[np.isnan(boxes).any(axis=1)] = [np.inf] * dims + [-np.inf] * dims
+    return boxes
+
+
 def _without_names(chunk):
     """The boxes of a frame. Any other chunk as it is."""
-    if hasattr(chunk, "geom_type"):  # of geometries: those without a box are empty
-        boxes = chunk.bounds.to_numpy()
-        boxes[np.isnan(boxes).any(axis=1)] = [np.inf, np.inf, -np.inf, -np.inf]
-        return boxes
+    if hasattr(chunk, "geom_type"):  # of geometries
+        return _empty_if_null(chunk.bounds.to_numpy())
     if not hasattr(chunk, "columns"):
         return chunk
     if "bbox" in chunk.columns:
-        boxes = list(chunk["bbox"])
+        is_there = chunk["bbox"].notna().to_numpy()
+        boxes = list(chunk["bbox"][is_there])
         names = _BOUNDS[1 if boxes and "zmin" in boxes[0] and "zmax" in boxes[0] else 3]
-        return np.array([[box[name] for name in names] for box in boxes],
-                        np.float64).reshape(-1, len(names))
+        result = np.full((len(chunk), len(names)), np.nan)
+        if boxes:
+            result[is_there] = [[box[name] for name in names] for box in boxes]
+        return _empty_if_null(result)
     for names in _BOUNDS:
         if set(names) <= set(chunk.columns):
             return chunk[names].to_numpy()

@@ -268,6 +268,15 @@ def test_columns_of_three_dimensions(no_client, frame):
     np.testing.assert_array_equal(tree.boxes(), hs.BVH(boxes).boxes())
 
 
+def test_a_null_bbox_is_empty(no_client):
+    boxes = [None, *({"xmin": x, "ymin": 0.0, "xmax": x + 1, "ymax": 1.0} for x in range(3)),
+             dict.fromkeys(BBOX.split())]
+    for some, ids in ((boxes, [1, 2]), (boxes[1:], [0, 1]), (boxes[:1], [])):
+        tree = hd.BVH(dask.delayed(pd.DataFrame({"bbox": some})), partitions=2)
+        assert tree.query([[0, 0, 1, 1.0]]).compute()["id"].to_list() == ids
+        assert len(tree) == len(some)
+
+
 def test_geometries(client):
     """Frames of geopandas, and by their interface those of dask-geopandas."""
     geopandas = pytest.importorskip("geopandas")
