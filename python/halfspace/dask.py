@@ -20,7 +20,7 @@ mean in `halfspace.BVH`: boxes that touch overlap, and boxes of doubles are roun
 outward to floats.
 
 Calls that end in `_batches` need a `distributed.Client`. They run at once, and return
-iterators of arrays, or write files. They make only the tasks that find something, and
+iterators of arrays, or write files. In a task they secede from the worker's thread pool. They make only the tasks that find something, and
 hold few results at a time:
 
     for rows, ids in tree.query_batches(probes): ...
@@ -41,6 +41,7 @@ Thread safety: calls may run at the same time.
 from __future__ import annotations
 
 import collections
+import contextlib
 import dataclasses
 import functools
 import itertools
@@ -825,6 +826,9 @@ class _Runner:
     def __init__(self):
         self.client = distributed.get_client()
         self.threads, _ = _cluster()
+        # A task that waits for others must not keep them from a thread.
+        with contextlib.suppress(ValueError, AttributeError, KeyError):  # no task, or not again
+            distributed.secede()
 
     def submit(self, function, *arguments) -> distributed.Future:
         # Not pure: a file that changed between two calls must be read again.

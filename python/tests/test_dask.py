@@ -210,6 +210,20 @@ def test_a_tree_is_a_collection(client):
     assert tree.query(chunked(probes, 100)).map_partitions(len).compute().sum() == len(expected)
 
 
+def test_as_many_tasks_as_threads_wait_for_batches(client):
+    boxes = uniform(np.random.default_rng(17), 1000)
+    tree = hd.BVH(chunked(boxes), partitions=3)
+
+    def count(tree, number):
+        # The second call is of a thread that has left the pool.
+        return [sum(len(rows) for rows, _ in tree.query_batches(boxes)) for _ in range(2)]
+
+    futures = [client.submit(count, tree, number) for number in range(2)]
+    expected = hs.BVH(boxes).count(boxes).sum()
+    distributed.wait(futures, timeout=60)
+    assert client.gather(futures) == [[expected] * 2] * 2
+
+
 def frame_of(boxes, names):
     return pd.DataFrame(boxes, columns=names.split())
 
