@@ -930,6 +930,10 @@ class _Placed:
     top_future: distributed.Future
     top: _Top
 
+    def is_lost(self) -> bool:
+        return any(future.status in ("cancelled", "lost", "error")
+                   for future in (*self.partitions, self.top_future))
+
 
 class BVH(_Lazy, dask.base.DaskMethodsMixin):
     """A BVH over the workers of a Dask cluster: partitions of the objects, each a
@@ -1131,11 +1135,15 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
     # At once, on a cluster.
 
     def _place(self, run: _Runner) -> _Placed:
-        """The partitions as futures. Builds them in the first call, if persist() did not."""
+        """The partitions as futures. Builds them in the first call, if persist() did not,
+        and after they were cancelled."""
         placed = self.__dict__.get("_on_cluster")
-        if placed is None or placed.client is not run.client:
-            graph = dict(run.client.persist(self).__dask_graph__())
-            *partitions, top = (graph[key] for key in self.__dask_keys__())
+        if placed is None or placed.client is not run.client or placed.is_lost():
+            # Under other names than those of futures that were cancelled.
+            tree = self if placed is None else dask.graph_manipulation.clone(self)
+            built = run.client.persist(tree)
+            graph = dict(built.__dask_graph__())
+            *partitions, top = (graph[key] for key in built.__dask_keys__())
             placed = self._on_cluster = _Placed(run.client, partitions, top, top.result())
         return placed
 

@@ -224,6 +224,15 @@ def test_as_many_tasks_as_threads_wait_for_batches(client):
     assert client.gather(futures) == [[expected] * 2] * 2
 
 
+def test_cancelled_partitions_are_built_again(client):
+    boxes = uniform(np.random.default_rng(18), 500)
+    tree = hd.BVH(boxes, partitions=3)
+    expected = pairs_of(tree.query_batches(boxes))
+    for some in (slice(1, 2), slice(0, 3)):
+        client.cancel(tree._on_cluster.partitions[some])
+        np.testing.assert_array_equal(pairs_of(tree.query_batches(boxes)), expected)
+
+
 def frame_of(boxes, names):
     return pd.DataFrame(boxes, columns=names.split())
 
