@@ -722,13 +722,16 @@ def _write_pairs(pairs_in, partition: _Partition, piece, most: int, prefix: str)
     return paths
 
 
-# Tasks of k nearest. Where fewer are found, an id is -1 and a distance infinite.
+# Tasks of k nearest.
 
 
 def _nearest_in(partition: _Partition, piece, k: int, max_distance: float):
+    """The rows of points, ids and distances, nearest first for each row."""
     points, rows = piece
+    k = max(1, min(k, len(partition.tree)))
     ids, distances = partition.tree.nearest(points, k=k, max_distance=max_distance)
-    return rows, np.append(partition.rows, -1)[ids], distances
+    some = ids >= 0
+    return np.repeat(rows, some.sum(axis=1)), partition.rows[ids[some]], distances[some]
 
 
 def _send_home(points, first: int, where: str, top: _Top, k: int) -> _Routed:
@@ -746,14 +749,16 @@ def _send_home(points, first: int, where: str, top: _Top, k: int) -> _Routed:
     return _Routed.to(nearest, rows, points, first)
 
 
-def _send_on(home: _Routed, found: list, top: _Top, max_distance: float) -> _Routed:
+def _send_on(home: _Routed, found: list, top: _Top, k: int, max_distance: float) -> _Routed:
     """Sends each point to the other partitions within the distance of its k-th."""
     points, dims = home.data, top.bounds.shape[1] // 2
     radius = np.full((len(points), 1), max_distance)
     home_of = np.full(len(points), -1)
     home_of[home.rows] = np.repeat(home.partitions, np.diff(home.begins))
     for rows, _, distances in found:
-        radius[rows - home.first] = np.minimum(max_distance, distances[:, -1:])
+        rows, begins, counts = np.unique(rows, return_index=True, return_counts=True)
+        some = counts == k
+        radius[rows[some] - home.first, 0] = distances[begins[some] + k - 1]
     radius = radius * _FAR + _FARTHER
     # From the box of floats around a point or a box, as trees measure distances.
     near = points.astype(np.float32)
@@ -771,13 +776,11 @@ def _send_on(home: _Routed, found: list, top: _Top, max_distance: float) -> _Rou
 def _best(found: list, k: int):
     """The k nearest to each point, of all that partitions found: the rows of the points,
     ranks, ids and distances."""
-    rows = np.concatenate([np.repeat(rows, k) for rows, _, _ in found])
-    ids = np.concatenate([ids.reshape(-1) for _, ids, _ in found])
-    distances = np.concatenate([distances.reshape(-1) for _, _, distances in found])
+    rows, ids, distances = _concatenate(found)
     order = np.lexsort((ids, distances, rows))
     rows, ids, distances = rows[order], ids[order], distances[order]
     rank = np.arange(len(rows)) - np.searchsorted(rows, rows)
-    some = (rank < k) & (ids >= 0)
+    some = rank < k
     return rows[some], rank[some], ids[some], distances[some]
 
 
@@ -1112,7 +1115,7 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
         firsts = _firsts(tasks, name, source, home, _length)
         first = _search(tasks, name, home, self, _nearest_in, k, max_distance)
         on = [(f"{name}-on", chunk) for chunk in range(len(home))]
-        tasks.update((key, (_send_on, home[key[1]], first[key[1]], self._top_key,
+        tasks.update((key, (_send_on, home[key[1]], first[key[1]], self._top_key, k,
                             max_distance)) for key in on)
         second = _search(tasks, f"{name}-again", on, self, _nearest_in, k, max_distance)
         for chunk, keys in enumerate(map(operator.add, first, second)):
@@ -1197,7 +1200,7 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
 
         def send_on(home):
             found = search(home)
-            return home, found, run.submit(_send_on, home, found, placed.top_future,
+            return home, found, run.submit(_send_on, home, found, placed.top_future, k,
                                            max_distance)
 
         homes = run.ahead(run.chunks(source), lambda chunk: run.submit(

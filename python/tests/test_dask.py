@@ -185,6 +185,25 @@ def test_lazy_nearest_is_that_of_one_process(no_client, k, max_distance, are_poi
         np.testing.assert_allclose(exact, found["distance"], rtol=1e-4, atol=1e-6)
 
 
+@pytest.mark.parametrize("partitions", [4, 20])
+def test_nearest_has_no_rows_beyond_the_objects(no_client, monkeypatch, partitions):
+    rng = np.random.default_rng(19)
+    boxes, points, search = uniform(rng, 200), rng.random((200, 3)), hd._nearest_in
+    searched = []
+
+    def nearest_in(partition, piece, *arguments):
+        found = search(partition, piece, *arguments)
+        searched.append(len(piece[0]) * len(partition.tree))
+        assert {len(column) for column in found} == {searched[-1]}
+        return found
+
+    monkeypatch.setattr(hd, "_nearest_in", nearest_in)
+    found = hd.BVH(boxes, partitions).nearest(points, k=3000).compute()
+    assert len(found) == sum(searched) == 40_000
+    monkeypatch.undo()
+    assert len(hd.BVH(boxes, partitions).nearest(points + 9, 5, 1).compute(scheduler="sync")) == 0
+
+
 def test_a_tree_is_a_collection(client):
     rng = np.random.default_rng(13)
     boxes, probes = uniform(rng, 3000), uniform(rng, 500)
