@@ -761,7 +761,8 @@ def _send_on(home: _Routed, found: list, top: _Top, k: int, max_distance: float)
         radius[rows[some] - home.first, 0] = distances[begins[some] + k - 1]
     radius = radius * _FAR + _FARTHER
     # From the box of floats around a point or a box, as trees measure distances.
-    near = points.astype(np.float32)
+    with np.errstate(over="ignore"):
+        near = points.astype(np.float32)
     low = np.where(near > points, np.nextafter(near, -np.float32(np.inf)), near)[:, :dims]
     high = np.where(near < points, np.nextafter(near, np.float32(np.inf)), near)[:, -dims:]
     with np.errstate(invalid="ignore"):

@@ -204,6 +204,14 @@ def test_nearest_has_no_rows_beyond_the_objects(no_client, monkeypatch, partitio
     assert len(hd.BVH(boxes, partitions).nearest(points + 9, 5, 1).compute(scheduler="sync")) == 0
 
 
+@pytest.mark.filterwarnings("error:overflow")
+def test_nearest_beyond_the_floats(no_client):
+    boxes = uniform(np.random.default_rng(20), 20)
+    points = np.array([[1e300, 0, 0], [0, -1e300, 0]])
+    found = hd.BVH(boxes, 2).nearest(points, 20).compute()
+    assert len(found) == (hs.BVH(boxes).nearest(points, 20)[0] >= 0).sum()
+
+
 def test_a_tree_is_a_collection(client):
     rng = np.random.default_rng(13)
     boxes, probes = uniform(rng, 3000), uniform(rng, 500)
