@@ -44,6 +44,7 @@ import collections
 import contextlib
 import dataclasses
 import functools
+import glob
 import itertools
 import math
 import operator
@@ -869,14 +870,14 @@ class _Runner:
                 yield window.popleft()
         yield from window
 
-    def stream(self, jobs):
+    def stream(self, jobs, follow=None):
         """Yields the results of jobs as they arrive. A job is a future, and None or a
         function of the result that returns what to yield, and an iterable of more jobs.
         A task is submitted when its job is taken from its iterable, so at most two for
-        each thread run, or wait with their results."""
+        each thread run, or wait with their results. `follow` gets the futures of these."""
         waiting: collections.deque = collections.deque([iter(jobs)])
         running = distributed.as_completed()
-        follow: dict = {}
+        follow = {} if follow is None else follow
         while True:
             while waiting and len(follow) < 2 * self.threads:
                 job = next(waiting[0], None)
@@ -908,7 +909,14 @@ class _Runner:
         name = os.path.join(to, uuid.uuid4().hex)
         jobs = ((self.submit(_write_pairs, *join, most, f"{name}-{n:09}"), None)
                 for n, join in enumerate(joins))
-        return sorted(itertools.chain.from_iterable(self.stream(jobs)))
+        running: dict = {}
+        try:
+            return sorted(itertools.chain.from_iterable(self.stream(jobs, running)))
+        except Exception:
+            distributed.wait(list(running))  # they write, too
+            for path in glob.iglob(glob.escape(name) + "*"):
+                os.unlink(path)
+            raise
 
     def _stream_pairs(self, joins, most: int):
         def job(join, ranges=None):
@@ -1159,8 +1167,8 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
 
         With `to`, the workers write the batches to that directory, as .npy files of the
         shape (2, pairs), and the call returns the paths. All workers must share the
-        directory. It is created if it does not exist, and files in it stay. A worker's
-        memory then has one batch for each of its threads.
+        directory. It is created if it does not exist, and files in it stay. A call that
+        fails deletes its files. A worker's memory then has one batch for each of its threads.
         """
         run, source = _Runner(), self._probes(boxes, "boxes", 2)
         placed = self._place(run)

@@ -461,6 +461,17 @@ def test_workers_write_files(client, tmp_path):
                                   pairs_of([(np.minimum(i, j), np.maximum(i, j))]))
 
 
+def test_a_call_that_fails_leaves_no_files(client, tmp_path):
+    boxes = uniform(np.random.default_rng(21), 4000, size=0.1)
+    bad = boxes.copy()
+    bad[-1, 0] = np.nan
+    tree = hd.BVH(boxes, partitions=3)
+    others = tree.query_batches(boxes[:1], to=tmp_path)
+    with pytest.raises(ValueError, match="chunk that begins at row 3900: .*NaN"):
+        tree.query_batches(chunked(bad, 100), max_results=1000, to=tmp_path)
+    assert sorted(map(str, tmp_path.iterdir())) == others
+
+
 def test_sources(client, tmp_path):
     rng = np.random.default_rng(6)
     boxes = uniform(rng, 3000).astype(np.float32)
