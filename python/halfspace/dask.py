@@ -1101,7 +1101,7 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
         order. Pairs of partitions are joined once, by the objects of one that overlap the
         bounds of the other.
         """
-        return _join(self, self, _frame_of_pairs, is_one=True)
+        return _join(self, self, _frame_of_pairs)
 
     def nearest(self, points, k: int = 1, max_distance: float = math.inf):
         """Finds the k objects that are nearest to each point or box, as `halfspace.BVH`.
@@ -1218,7 +1218,7 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
                           for home, found, on in run.ahead(homes, send_on))
 
 
-def _join(a: BVH, b: BVH, frame_of, is_one: bool):
+def _join(a: BVH, b: BVH, frame_of):
     """The frames of the partitions of `a`, and what those of `b` send to them. Those of
     one tree send only to the partitions after them."""
     name = _name("join")
@@ -1247,7 +1247,7 @@ def join(a: BVH, b: BVH):
     them.
     """
     _check_dimensions(a, b)
-    return _join(a, b, _frame_of_join, is_one=False)
+    return _join(a, b, _frame_of_join)
 
 
 def join_batches(a: BVH, b: BVH, *, max_results: int = MAX_RESULTS, to=None):
