@@ -176,19 +176,32 @@ def _without_names(chunk):
         return _empty_if_null(result)
     for names in _BOUNDS:
         if set(names) <= set(chunk.columns):
-            return chunk[names].to_numpy()
-    return chunk.to_numpy()
+            return _numbers(chunk[names])
+    if hasattr(type(chunk), "geom_type"):
+        raise ValueError("a GeoDataFrame has no active geometry: call set_geometry() first")
+    return _numbers(chunk)
+
+
+def _numbers(frame) -> np.ndarray:
+    array = frame.to_numpy()
+    # pandas returns objects for columns that can have missing values.
+    if array.dtype.kind == "O" and all(kind.kind in "iuf" for kind in frame.dtypes):
+        array = frame.to_numpy(np.float64)
+    return array
+
+
+def _shapes(widths) -> str:
+    return " or ".join(f"(n, {width})" for width in widths)
 
 
 def _source(source, name: str, widths: tuple[int, ...]) -> _Source:
     """Returns the chunks of a collection."""
-    wanted = " or ".join(f"(n, {width})" for width in widths)
     width = 0
 
     def check(shape, what: str) -> None:
         nonlocal width
         if len(shape) != 2 or shape[1] not in ((width,) if width else widths):
-            raise ValueError(f"{name} must have the shape {wanted}, and {what} has "
+            raise ValueError(f"{name} must have the shape {_shapes(widths)}, and {what} has "
                              f"{tuple(shape)}")
         width = shape[1]
 
@@ -201,6 +214,8 @@ def _source(source, name: str, widths: tuple[int, ...]) -> _Source:
         return _Source([source], keys, list(source.chunks[0]) if is_known else None, width)
     if _are_all(source, Delayed):
         return _Source(list(source), [part.key for part in source], None, None)
+    if isinstance(source, BVH):
+        raise TypeError(f"{name}: expected boxes, got a halfspace.dask.BVH")
     if dask.is_dask_collection(source):  # a frame, or a delayed array
         keys = list(dask.core.flatten(source.__dask_keys__()))
         return _Source([source], keys, None, None)
@@ -221,7 +236,7 @@ def _source(source, name: str, widths: tuple[int, ...]) -> _Source:
                     sizes.append(end - begin)
                     tasks.append((_read, path, begin, end))
     else:
-        array = _arrays.numbers(_without_names(source), name)
+        array = _arrays.numbers(_in_chunk(name, lambda: _without_names(source)), name)
         check(array.shape, "the array")
         tasks = [array[begin:begin + _CHUNK_ROWS]
                  for begin in range(0, max(1, len(array)), _CHUNK_ROWS)]
@@ -255,8 +270,9 @@ def _rows(chunk, name: str, where: str) -> np.ndarray:
     """The rows of a chunk as a plain array of two dimensions."""
     def read():
         rows = _arrays.numbers(_without_names(chunk), name)
-        if rows.ndim != 2:
-            raise ValueError(f"{name} must have two dimensions, not the shape {rows.shape}")
+        widths = (4, 6) if name == "boxes" else (2, 3, 4, 6)
+        if rows.ndim != 2 or rows.shape[1] not in widths:
+            raise ValueError(f"{name} must have the shape {_shapes(widths)}, not {rows.shape}")
         return rows
     return _in_chunk(where, read)
 
@@ -557,6 +573,11 @@ class _Plan:
     @staticmethod
     def of(samples: list, partitions: int, by_pairs: bool) -> _Plan:
         boxes, stands_for, lengths = zip(*samples)
+        width = boxes[0].shape[1]
+        for chunk, some in enumerate(boxes):
+            if some.shape[1] != width:
+                raise ValueError(f"in chunk {chunk}: boxes have the shape (n, {some.shape[1]}), "
+                                 f"and those in chunk 0 (n, {width})")
         return _Plan(_split_sample(np.concatenate(boxes), np.concatenate(stands_for),
                                    partitions, by_pairs), _sum_up(lengths))
 
@@ -622,6 +643,7 @@ def _route(boxes, first: int, where: str, top: _Top) -> _Routed:
 
 def _route_border(partition: _Partition, top: _Top, after: int) -> _Routed:
     """Sends objects to the partitions whose bounds they overlap, after one."""
+    _check_widths(top.bounds.shape[1], len(partition.tree.bounds))
     others = top.tree.query(partition.tree.bounds)
     others = others[others > after]
     boxes = partition.tree.boxes()
@@ -972,6 +994,8 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
                  mapped: bool | None = None):
         if balance not in ("pairs", "objects"):
             raise ValueError(f"balance must be 'pairs' or 'objects', not {balance!r}")
+        if mapped not in (True, False, None):
+            raise ValueError(f"mapped must be True, False or None, not {mapped!r}")
         threads, memory = _cluster()
         count = _arrays.positive(2 * threads if partitions is None else partitions,
                                  "partitions")
@@ -1047,6 +1071,10 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
         if self._size is None:
             return int(self.sizes.compute().sum())
         return self._size
+
+    def __bool__(self) -> bool:
+        # As of a dask DataFrame. By default, it would compute the length.
+        raise ValueError("the truth value of a halfspace.dask.BVH is ambiguous: use len()")
 
     def __repr__(self) -> str:
         size = "" if self._size is None else f"{self._size} boxes in "
@@ -1233,10 +1261,18 @@ def _join(a: BVH, b: BVH, frame_of):
                   {"i": np.int64, "j": np.int64})
 
 
-def _check_dimensions(a: BVH, b: BVH) -> None:
-    if a._width and b._width and a._width != b._width:
-        raise ValueError(f"a and b must have the same dimensions; they have "
-                         f"{a._width // 2} and {b._width // 2}")
+def _check_trees(a: BVH, b: BVH) -> None:
+    for name, tree in (("a", a), ("b", b)):
+        if not isinstance(tree, BVH):
+            raise TypeError(f"{name}: expected a halfspace.dask.BVH, got {type(tree).__name__}")
+    if a._width and b._width:
+        _check_widths(a._width, b._width)
+
+
+def _check_widths(a: int, b: int) -> None:
+    if a != b:
+        raise ValueError(f"a and b must have the same dimensions; they have {a // 2} and "
+                         f"{b // 2}")
 
 
 def join(a: BVH, b: BVH):
@@ -1246,15 +1282,16 @@ def join(a: BVH, b: BVH):
     partition for each of `a`. To join boxes that are in no BVH with a BVH, query it with
     them.
     """
-    _check_dimensions(a, b)
+    _check_trees(a, b)
     return _join(a, b, _frame_of_join)
 
 
 def join_batches(a: BVH, b: BVH, *, max_results: int = MAX_RESULTS, to=None):
     """Finds the pairs of `join` at once, and returns what BVH.query_batches() does."""
-    _check_dimensions(a, b)
+    _check_trees(a, b)
     run = _Runner()
     its, other = a._place(run), b._place(run)
+    _check_widths(its.top.bounds.shape[1], other.top.bounds.shape[1])
     joins = ((_join_in, its.partitions[p], run.border(other, q, p, its))
              for p, q in zip(*hs.join(its.top.tree, other.top.tree)))
     return run.pairs(joins, max_results, to)
@@ -1305,8 +1342,8 @@ def _source_of_scan(boxes, queries):
 
 def _scan(boxes, first: int, where: str, queries, quantized: bool):
     boxes = _rows(boxes, "boxes", where)
-    scan = _in_chunk(where, lambda: hs.Scan(boxes, quantized=quantized))
-    rows, ids = scan.query(queries)
+    rows, ids = _in_chunk(
+        where, lambda: hs.Scan(boxes, quantized=quantized).query(queries))
     return rows, ids + first, len(boxes)
 
 

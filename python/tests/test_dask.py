@@ -274,6 +274,7 @@ SOURCES = {
     "a frame of dask": lambda boxes, tmp: dask.dataframe.from_pandas(
         frame_of(boxes[:, [2, 0, 3, 1]], "maxx minx maxy miny"), npartitions=3),
     "a frame of pandas": lambda boxes, tmp: frame_of(boxes, BBOX).assign(name="x"),
+    "nullable columns": lambda boxes, tmp: frame_of(boxes, BBOX).astype("Float64"),
     "columns without these names": lambda boxes, tmp: frame_of(boxes, "a b c d"),
     "GeoParquet": lambda boxes, tmp: [tmp / "a.parquet", tmp / "b.parquet"],
 }
@@ -564,6 +565,11 @@ def test_masked_values_are_refused(client, call):
         call()
 
 
+def delayed(*widths):
+    """A tree of chunks of these widths, which are known when it is computed."""
+    return hd.BVH([dask.delayed(np.ones((2, width))) for width in widths], partitions=2)
+
+
 @pytest.mark.parametrize("call, message", [
     (lambda: hd.BVH(np.ones((3, 5))), r"boxes must have the shape \(n, 4\) or \(n, 6\)"),
     (lambda: hd.BVH(np.ones((3, 6)), balance="fair"), "balance must be"),
@@ -579,7 +585,19 @@ def test_masked_values_are_refused(client, call):
         chunked(np.array([[1.0] * 6, [np.nan] * 6]), 1))), "chunk that begins at row 1"),
     (lambda: hd.BVH(chunked(np.array([[1.0] * 6] * 3 + [[np.nan] * 6]), 2), partitions=2).compute(),
      "row 3 of boxes: .*NaN"),
+    (lambda: delayed(4, 6).compute(), "in chunk 1: boxes have the shape .n, 6., and those in chunk 0 .n, 4."),
+    (lambda: delayed(5).compute(), r"in chunk 0: boxes must have the shape \(n, 4\) or \(n, 6\)"),
+    (lambda: hd.join(delayed(4), delayed(6)).compute(), "must have the same dimensions"),
+    (lambda: hd.join_batches(delayed(4), delayed(6)), "must have the same dimensions"),
+    (lambda: hd.scan([dask.delayed(np.ones((2, 4)))], np.ones((2, 6))).compute(), "in chunk 0: "),
+    (lambda: hd.join(delayed(4), np.ones((3, 4))), "b: expected a halfspace.dask.BVH, got ndarray"),
+    (lambda: hd.join_batches(hs.BVH(np.ones((3, 4))), delayed(4)), "a: expected a halfspace.dask.BVH"),
+    (lambda: hd.BVH(delayed(4)), "boxes: expected boxes, got a halfspace.dask.BVH"),
+    (lambda: hd.BVH(np.ones((3, 6)), mapped="no"), "mapped must be True, False or None, not 'no'"),
+    (lambda: bool(delayed(4)), "truth value"),
+    (lambda: hd.BVH(frame_of(np.ones((2, 4)), BBOX).astype("Float64").shift(1)), "boxes: .*missing values"),
+    (lambda: hd.BVH(pytest.importorskip("geopandas").GeoDataFrame({"a": [1]})), "boxes: .*set_geometry"),
 ])
 def test_bad_input(client, call, message):
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises((TypeError, ValueError), match=message):
         call()
