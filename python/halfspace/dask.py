@@ -12,16 +12,17 @@ Boxes and points are rows of a dask array, also one of unknown chunk sizes, of d
 arrays, of a data frame (dask's, pandas', geopandas' or dask-geopandas'), of an array, or
 of files, as a list of paths of `.npy` or `.parquet` files that every worker can read. A
 frame has the columns `minx, miny, maxx, maxy` or `xmin, ymin, xmax, ymax`, the column
-`bbox` of GeoParquet, geometries, or only columns of numbers. Where it also has both
-columns of z, boxes have 3 dimensions.
+`bbox` of GeoParquet, geometries, or only columns of numbers. If it also has the columns
+of z, or `bbox` has them, boxes have 3 dimensions. A null geometry or `bbox` is an empty
+box.
 
 The id of an object is its row in the whole collection, an int64. Boxes mean what they
 mean in `halfspace.BVH`: boxes that touch overlap, and boxes of doubles are rounded
 outward to floats.
 
 Calls that end in `_batches` need a `distributed.Client`. They run at once, and return
-iterators of arrays, or write files. In a task they secede from the worker's thread pool. They make only the tasks that find something, and
-hold few results at a time:
+iterators of arrays, or write files. They make only the tasks that find something, and
+hold few results at a time. In a task they secede from the worker's thread pool:
 
     for rows, ids in tree.query_batches(probes): ...
     paths = tree.query_batches(probes, to="out")
@@ -33,7 +34,8 @@ the partitions form one more BVH, which every task gets. A probe goes to each pa
 that it overlaps. docs/scale.md has a picture, measurements and a model of the cost.
 
 A lost worker costs time only: Dask makes its partitions again from the source. So the
-source must stay readable, and must return the same boxes when it is read again.
+source must stay readable, and must return the same boxes when it is read again. A lazy
+tree has views of NumPy arrays, not copies: do not change them before it is computed.
 
 Thread safety: calls may run at the same time.
 """
