@@ -12,7 +12,9 @@ Boxes and points are rows of a dask array, also one of unknown chunk sizes, of d
 arrays, of a data frame (dask's, pandas', geopandas' or dask-geopandas'), of an array, or
 of files, as a list of paths of `.npy` or `.parquet` files that every worker can read. A
 frame has the columns `minx, miny, maxx, maxy` or `xmin, ymin, xmax, ymax`, the column
-`bbox` of GeoParquet, geometries, or only columns of numbers.
+`bbox` of GeoParquet, geometries, or only columns of numbers. If it also has the columns
+of z, or `bbox` has them, boxes have 3 dimensions. A null geometry or `bbox` is an empty
+box.
 
 The id of an object is its row in the whole collection, an int64. Boxes mean what they
 mean in `halfspace.BVH`: boxes that touch overlap, and boxes of doubles are rounded
@@ -20,7 +22,7 @@ outward to floats.
 
 Calls that end in `_batches` need a `distributed.Client`. They run at once, and return
 iterators of arrays, or write files. They make only the tasks that find something, and
-hold few results at a time:
+hold few results at a time. In a task they secede from the worker's thread pool:
 
     for rows, ids in tree.query_batches(probes): ...
     paths = tree.query_batches(probes, to="out")
@@ -32,7 +34,8 @@ the partitions form one more BVH, which every task gets. A probe goes to each pa
 that it overlaps. docs/scale.md has a picture, measurements and a model of the cost.
 
 A lost worker costs time only: Dask makes its partitions again from the source. So the
-source must stay readable, and must return the same boxes when it is read again.
+source must stay readable, and must return the same boxes when it is read again. A lazy
+tree has views of NumPy arrays, not copies: do not change them before it is computed.
 
 Thread safety: calls may run at the same time.
 """
@@ -40,8 +43,10 @@ Thread safety: calls may run at the same time.
 from __future__ import annotations
 
 import collections
+import contextlib
 import dataclasses
 import functools
+import glob
 import itertools
 import math
 import operator
@@ -146,36 +151,59 @@ def _read_parquet(path: str):
     return pandas.read_parquet(path)
 
 
-_BOUNDS = (["minx", "miny", "maxx", "maxy"], ["xmin", "ymin", "xmax", "ymax"])
+_BOUNDS = [names.split() for names in (
+    "minx miny minz maxx maxy maxz", "xmin ymin zmin xmax ymax zmax",
+    "minx miny maxx maxy", "xmin ymin xmax ymax")]
+
+
+def _empty_if_null(boxes: np.ndarray) -> np.ndarray:
+    dims = boxes.shape[1] // 2
+    boxes[np.isnan(boxes).any(axis=1)] = [np.inf] * dims + [-np.inf] * dims
+    return boxes
 
 
 def _without_names(chunk):
     """The boxes of a frame. Any other chunk as it is."""
-    if hasattr(chunk, "geom_type"):  # of geometries: those without a box are empty
-        boxes = chunk.bounds.to_numpy()
-        boxes[np.isnan(boxes).any(axis=1)] = [np.inf, np.inf, -np.inf, -np.inf]
-        return boxes
+    if hasattr(chunk, "geom_type"):  # of geometries
+        return _empty_if_null(chunk.bounds.to_numpy())
     if not hasattr(chunk, "columns"):
         return chunk
     if "bbox" in chunk.columns:
-        boxes = list(chunk["bbox"])
-        return np.array([[box[name] for name in _BOUNDS[1]] for box in boxes],
-                        np.float64).reshape(-1, 4)
+        is_there = chunk["bbox"].notna().to_numpy()
+        boxes = list(chunk["bbox"][is_there])
+        names = _BOUNDS[1 if boxes and "zmin" in boxes[0] and "zmax" in boxes[0] else 3]
+        result = np.full((len(chunk), len(names)), np.nan)
+        if boxes:
+            result[is_there] = [[box[name] for name in names] for box in boxes]
+        return _empty_if_null(result)
     for names in _BOUNDS:
         if set(names) <= set(chunk.columns):
-            return chunk[names].to_numpy()
-    return chunk.to_numpy()
+            return _numbers(chunk[names])
+    if hasattr(type(chunk), "geom_type"):
+        raise ValueError("a GeoDataFrame has no active geometry: call set_geometry() first")
+    return _numbers(chunk)
+
+
+def _numbers(frame) -> np.ndarray:
+    array = frame.to_numpy()
+    # pandas returns objects for columns that can have missing values.
+    if array.dtype.kind == "O" and all(kind.kind in "iuf" for kind in frame.dtypes):
+        array = frame.to_numpy(np.float64)
+    return array
+
+
+def _shapes(widths) -> str:
+    return " or ".join(f"(n, {width})" for width in widths)
 
 
 def _source(source, name: str, widths: tuple[int, ...]) -> _Source:
     """Returns the chunks of a collection."""
-    wanted = " or ".join(f"(n, {width})" for width in widths)
     width = 0
 
     def check(shape, what: str) -> None:
         nonlocal width
         if len(shape) != 2 or shape[1] not in ((width,) if width else widths):
-            raise ValueError(f"{name} must have the shape {wanted}, and {what} has "
+            raise ValueError(f"{name} must have the shape {_shapes(widths)}, and {what} has "
                              f"{tuple(shape)}")
         width = shape[1]
 
@@ -188,6 +216,8 @@ def _source(source, name: str, widths: tuple[int, ...]) -> _Source:
         return _Source([source], keys, list(source.chunks[0]) if is_known else None, width)
     if _are_all(source, Delayed):
         return _Source(list(source), [part.key for part in source], None, None)
+    if isinstance(source, BVH):
+        raise TypeError(f"{name}: expected boxes, got a halfspace.dask.BVH")
     if dask.is_dask_collection(source):  # a frame, or a delayed array
         keys = list(dask.core.flatten(source.__dask_keys__()))
         return _Source([source], keys, None, None)
@@ -208,7 +238,7 @@ def _source(source, name: str, widths: tuple[int, ...]) -> _Source:
                     sizes.append(end - begin)
                     tasks.append((_read, path, begin, end))
     else:
-        array = _arrays.numbers(_without_names(source), name)
+        array = _arrays.numbers(_in_chunk(name, lambda: _without_names(source)), name)
         check(array.shape, "the array")
         tasks = [array[begin:begin + _CHUNK_ROWS]
                  for begin in range(0, max(1, len(array)), _CHUNK_ROWS)]
@@ -242,8 +272,9 @@ def _rows(chunk, name: str, where: str) -> np.ndarray:
     """The rows of a chunk as a plain array of two dimensions."""
     def read():
         rows = _arrays.numbers(_without_names(chunk), name)
-        if rows.ndim != 2:
-            raise ValueError(f"{name} must have two dimensions, not the shape {rows.shape}")
+        widths = (4, 6) if name == "boxes" else (2, 3, 4, 6)
+        if rows.ndim != 2 or rows.shape[1] not in widths:
+            raise ValueError(f"{name} must have the shape {_shapes(widths)}, not {rows.shape}")
         return rows
     return _in_chunk(where, read)
 
@@ -544,6 +575,11 @@ class _Plan:
     @staticmethod
     def of(samples: list, partitions: int, by_pairs: bool) -> _Plan:
         boxes, stands_for, lengths = zip(*samples)
+        width = boxes[0].shape[1]
+        for chunk, some in enumerate(boxes):
+            if some.shape[1] != width:
+                raise ValueError(f"in chunk {chunk}: boxes have the shape (n, {some.shape[1]}), "
+                                 f"and those in chunk 0 (n, {width})")
         return _Plan(_split_sample(np.concatenate(boxes), np.concatenate(stands_for),
                                    partitions, by_pairs), _sum_up(lengths))
 
@@ -609,6 +645,7 @@ def _route(boxes, first: int, where: str, top: _Top) -> _Routed:
 
 def _route_border(partition: _Partition, top: _Top, after: int) -> _Routed:
     """Sends objects to the partitions whose bounds they overlap, after one."""
+    _check_widths(top.bounds.shape[1], len(partition.tree.bounds))
     others = top.tree.query(partition.tree.bounds)
     others = others[others > after]
     boxes = partition.tree.boxes()
@@ -710,13 +747,16 @@ def _write_pairs(pairs_in, partition: _Partition, piece, most: int, prefix: str)
     return paths
 
 
-# Tasks of k nearest. Where fewer are found, an id is -1 and a distance infinite.
+# Tasks of k nearest.
 
 
 def _nearest_in(partition: _Partition, piece, k: int, max_distance: float):
+    """The rows of points, ids and distances, nearest first for each row."""
     points, rows = piece
+    k = max(1, min(k, len(partition.tree)))
     ids, distances = partition.tree.nearest(points, k=k, max_distance=max_distance)
-    return rows, np.append(partition.rows, -1)[ids], distances
+    some = ids >= 0
+    return np.repeat(rows, some.sum(axis=1)), partition.rows[ids[some]], distances[some]
 
 
 def _send_home(points, first: int, where: str, top: _Top, k: int) -> _Routed:
@@ -734,17 +774,20 @@ def _send_home(points, first: int, where: str, top: _Top, k: int) -> _Routed:
     return _Routed.to(nearest, rows, points, first)
 
 
-def _send_on(home: _Routed, found: list, top: _Top, max_distance: float) -> _Routed:
+def _send_on(home: _Routed, found: list, top: _Top, k: int, max_distance: float) -> _Routed:
     """Sends each point to the other partitions within the distance of its k-th."""
     points, dims = home.data, top.bounds.shape[1] // 2
     radius = np.full((len(points), 1), max_distance)
     home_of = np.full(len(points), -1)
     home_of[home.rows] = np.repeat(home.partitions, np.diff(home.begins))
     for rows, _, distances in found:
-        radius[rows - home.first] = np.minimum(max_distance, distances[:, -1:])
+        rows, begins, counts = np.unique(rows, return_index=True, return_counts=True)
+        some = counts == k
+        radius[rows[some] - home.first, 0] = distances[begins[some] + k - 1]
     radius = radius * _FAR + _FARTHER
     # From the box of floats around a point or a box, as trees measure distances.
-    near = points.astype(np.float32)
+    with np.errstate(over="ignore"):
+        near = points.astype(np.float32)
     low = np.where(near > points, np.nextafter(near, -np.float32(np.inf)), near)[:, :dims]
     high = np.where(near < points, np.nextafter(near, np.float32(np.inf)), near)[:, -dims:]
     with np.errstate(invalid="ignore"):
@@ -759,13 +802,11 @@ def _send_on(home: _Routed, found: list, top: _Top, max_distance: float) -> _Rou
 def _best(found: list, k: int):
     """The k nearest to each point, of all that partitions found: the rows of the points,
     ranks, ids and distances."""
-    rows = np.concatenate([np.repeat(rows, k) for rows, _, _ in found])
-    ids = np.concatenate([ids.reshape(-1) for _, ids, _ in found])
-    distances = np.concatenate([distances.reshape(-1) for _, _, distances in found])
+    rows, ids, distances = _concatenate(found)
     order = np.lexsort((ids, distances, rows))
     rows, ids, distances = rows[order], ids[order], distances[order]
     rank = np.arange(len(rows)) - np.searchsorted(rows, rows)
-    some = (rank < k) & (ids >= 0)
+    some = rank < k
     return rows[some], rank[some], ids[some], distances[some]
 
 
@@ -814,6 +855,9 @@ class _Runner:
     def __init__(self):
         self.client = distributed.get_client()
         self.threads, _ = _cluster()
+        # A task that waits for others must not keep them from a thread.
+        with contextlib.suppress(ValueError, AttributeError, KeyError):  # no task, or not again
+            distributed.secede()
 
     def submit(self, function, *arguments) -> distributed.Future:
         # Not pure: a file that changed between two calls must be read again.
@@ -850,14 +894,14 @@ class _Runner:
                 yield window.popleft()
         yield from window
 
-    def stream(self, jobs):
+    def stream(self, jobs, follow=None):
         """Yields the results of jobs as they arrive. A job is a future, and None or a
         function of the result that returns what to yield, and an iterable of more jobs.
         A task is submitted when its job is taken from its iterable, so at most two for
-        each thread run, or wait with their results."""
+        each thread run, or wait with their results. `follow` gets the futures of these."""
         waiting: collections.deque = collections.deque([iter(jobs)])
         running = distributed.as_completed()
-        follow: dict = {}
+        follow = {} if follow is None else follow
         while True:
             while waiting and len(follow) < 2 * self.threads:
                 job = next(waiting[0], None)
@@ -889,7 +933,14 @@ class _Runner:
         name = os.path.join(to, uuid.uuid4().hex)
         jobs = ((self.submit(_write_pairs, *join, most, f"{name}-{n:09}"), None)
                 for n, join in enumerate(joins))
-        return sorted(itertools.chain.from_iterable(self.stream(jobs)))
+        running: dict = {}
+        try:
+            return sorted(itertools.chain.from_iterable(self.stream(jobs, running)))
+        except Exception:
+            distributed.wait(list(running))  # they write, too
+            for path in glob.iglob(glob.escape(name) + "*"):
+                os.unlink(path)
+            raise
 
     def _stream_pairs(self, joins, most: int):
         def job(join, ranges=None):
@@ -914,6 +965,10 @@ class _Placed:
     partitions: list
     top_future: distributed.Future
     top: _Top
+
+    def is_lost(self) -> bool:
+        return any(future.status in ("cancelled", "lost", "error")
+                   for future in (*self.partitions, self.top_future))
 
 
 class BVH(_Lazy, dask.base.DaskMethodsMixin):
@@ -941,6 +996,8 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
                  mapped: bool | None = None):
         if balance not in ("pairs", "objects"):
             raise ValueError(f"balance must be 'pairs' or 'objects', not {balance!r}")
+        if mapped not in (True, False, None):
+            raise ValueError(f"mapped must be True, False or None, not {mapped!r}")
         threads, memory = _cluster()
         count = _arrays.positive(2 * threads if partitions is None else partitions,
                                  "partitions")
@@ -1017,6 +1074,10 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
             return int(self.sizes.compute().sum())
         return self._size
 
+    def __bool__(self) -> bool:
+        # As of a dask DataFrame. By default, it would compute the length.
+        raise ValueError("the truth value of a halfspace.dask.BVH is ambiguous: use len()")
+
     def __repr__(self) -> str:
         size = "" if self._size is None else f"{self._size} boxes in "
         return f"<halfspace.dask.BVH: {size}{self._partitions} partitions>"
@@ -1070,7 +1131,7 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
         order. Pairs of partitions are joined once, by the objects of one that overlap the
         bounds of the other.
         """
-        return _join(self, self, _frame_of_pairs, is_one=True)
+        return _join(self, self, _frame_of_pairs)
 
     def nearest(self, points, k: int = 1, max_distance: float = math.inf):
         """Finds the k objects that are nearest to each point or box, as `halfspace.BVH`.
@@ -1093,7 +1154,7 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
         firsts = _firsts(tasks, name, source, home, _length)
         first = _search(tasks, name, home, self, _nearest_in, k, max_distance)
         on = [(f"{name}-on", chunk) for chunk in range(len(home))]
-        tasks.update((key, (_send_on, home[key[1]], first[key[1]], self._top_key,
+        tasks.update((key, (_send_on, home[key[1]], first[key[1]], self._top_key, k,
                             max_distance)) for key in on)
         second = _search(tasks, f"{name}-again", on, self, _nearest_in, k, max_distance)
         for chunk, keys in enumerate(map(operator.add, first, second)):
@@ -1116,11 +1177,15 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
     # At once, on a cluster.
 
     def _place(self, run: _Runner) -> _Placed:
-        """The partitions as futures. Builds them in the first call, if persist() did not."""
+        """The partitions as futures. Builds them in the first call, if persist() did not,
+        and after they were cancelled."""
         placed = self.__dict__.get("_on_cluster")
-        if placed is None or placed.client is not run.client:
-            graph = dict(run.client.persist(self).__dask_graph__())
-            *partitions, top = (graph[key] for key in self.__dask_keys__())
+        if placed is None or placed.client is not run.client or placed.is_lost():
+            # Under other names than those of futures that were cancelled.
+            tree = self if placed is None else dask.graph_manipulation.clone(self)
+            built = run.client.persist(tree)
+            graph = dict(built.__dask_graph__())
+            *partitions, top = (graph[key] for key in built.__dask_keys__())
             placed = self._on_cluster = _Placed(run.client, partitions, top, top.result())
         return placed
 
@@ -1132,8 +1197,8 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
 
         With `to`, the workers write the batches to that directory, as .npy files of the
         shape (2, pairs), and the call returns the paths. All workers must share the
-        directory. It is created if it does not exist, and files in it stay. A worker's
-        memory then has one batch for each of its threads.
+        directory. It is created if it does not exist, and files in it stay. A call that
+        fails deletes its files. A worker's memory then has one batch for each of its threads.
         """
         run, source = _Runner(), self._probes(boxes, "boxes", 2)
         placed = self._place(run)
@@ -1174,7 +1239,7 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
 
         def send_on(home):
             found = search(home)
-            return home, found, run.submit(_send_on, home, found, placed.top_future,
+            return home, found, run.submit(_send_on, home, found, placed.top_future, k,
                                            max_distance)
 
         homes = run.ahead(run.chunks(source), lambda chunk: run.submit(
@@ -1183,7 +1248,7 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
                           for home, found, on in run.ahead(homes, send_on))
 
 
-def _join(a: BVH, b: BVH, frame_of, is_one: bool):
+def _join(a: BVH, b: BVH, frame_of):
     """The frames of the partitions of `a`, and what those of `b` send to them. Those of
     one tree send only to the partitions after them."""
     name = _name("join")
@@ -1198,10 +1263,18 @@ def _join(a: BVH, b: BVH, frame_of, is_one: bool):
                   {"i": np.int64, "j": np.int64})
 
 
-def _check_dimensions(a: BVH, b: BVH) -> None:
-    if a._width and b._width and a._width != b._width:
-        raise ValueError(f"a and b must have the same dimensions; they have "
-                         f"{a._width // 2} and {b._width // 2}")
+def _check_trees(a: BVH, b: BVH) -> None:
+    for name, tree in (("a", a), ("b", b)):
+        if not isinstance(tree, BVH):
+            raise TypeError(f"{name}: expected a halfspace.dask.BVH, got {type(tree).__name__}")
+    if a._width and b._width:
+        _check_widths(a._width, b._width)
+
+
+def _check_widths(a: int, b: int) -> None:
+    if a != b:
+        raise ValueError(f"a and b must have the same dimensions; they have {a // 2} and "
+                         f"{b // 2}")
 
 
 def join(a: BVH, b: BVH):
@@ -1211,15 +1284,16 @@ def join(a: BVH, b: BVH):
     partition for each of `a`. To join boxes that are in no BVH with a BVH, query it with
     them.
     """
-    _check_dimensions(a, b)
-    return _join(a, b, _frame_of_join, is_one=False)
+    _check_trees(a, b)
+    return _join(a, b, _frame_of_join)
 
 
 def join_batches(a: BVH, b: BVH, *, max_results: int = MAX_RESULTS, to=None):
     """Finds the pairs of `join` at once, and returns what BVH.query_batches() does."""
-    _check_dimensions(a, b)
+    _check_trees(a, b)
     run = _Runner()
     its, other = a._place(run), b._place(run)
+    _check_widths(its.top.bounds.shape[1], other.top.bounds.shape[1])
     joins = ((_join_in, its.partitions[p], run.border(other, q, p, its))
              for p, q in zip(*hs.join(its.top.tree, other.top.tree)))
     return run.pairs(joins, max_results, to)
@@ -1270,8 +1344,8 @@ def _source_of_scan(boxes, queries):
 
 def _scan(boxes, first: int, where: str, queries, quantized: bool):
     boxes = _rows(boxes, "boxes", where)
-    scan = _in_chunk(where, lambda: hs.Scan(boxes, quantized=quantized))
-    rows, ids = scan.query(queries)
+    rows, ids = _in_chunk(
+        where, lambda: hs.Scan(boxes, quantized=quantized).query(queries))
     return rows, ids + first, len(boxes)
 
 

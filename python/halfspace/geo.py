@@ -246,7 +246,10 @@ class STRtree:
         for i, row in enumerate(rows.tolist()):
             if row != last:
                 last, test = row, getattr(prep(a[i]), predicate)
-            holds[i] = test(b[i])
+            try:
+                holds[i] = test(b[i])
+            except AttributeError:  # shapely asks the prepared geometry whether it is valid
+                holds[i] = getattr(a[i], predicate)(b[i])
         return holds
 
 
@@ -315,14 +318,7 @@ def sjoin_nearest(
         its.geometry, max_distance, return_distance=True, exclusive=exclusive
     )
     left, right = (ids, rows) if how == "right" else (rows, ids)
-    joined = _joined(left_df, right_df, left, right, how, lsuffix, rsuffix, distances)
-    distances = joined.pop(_DISTANCES)
-    if distance_col is not None:
-        joined[distance_col] = distances
-    return joined
-
-
-_DISTANCES = "halfspace: distances"
+    return _joined(left_df, right_df, left, right, how, lsuffix, rsuffix, distances, distance_col)
 
 
 def _check_frames(left_df: Any, right_df: Any, how: str, lsuffix: str, rsuffix: str) -> None:
@@ -356,8 +352,9 @@ def _joined(
     lsuffix: str,
     rsuffix: str,
     distances: Optional[np.ndarray] = None,
+    distance_col: Optional[str] = None,
 ) -> Any:
-    """The frame of pairs of rows, and with distances their column."""
+    """The frame of pairs of rows, and with `distance_col` the column of distances."""
     import pandas  # type: ignore
 
     is_right = how == "right"
@@ -374,11 +371,17 @@ def _joined(
     added = pandas.DataFrame(other.drop(columns=other.geometry.name))
     name = f"index_{lsuffix if is_right else rsuffix}"
     levels = added.index.nlevels
-    added.index.names = [name] if levels == 1 else [f"{name}{i}" for i in range(levels)]
+    # A renamed copy, as the index is the caller's.
+    added.index = added.index.set_names(
+        [name] if levels == 1 else [f"{name}{i}" for i in range(levels)]
+    )
     # No row has the number -1.
     added = added.reset_index().reindex(ids[order])
     added.index = result.index
     both = result.columns.intersection(added.columns)
+    were_twice = np.concatenate(
+        [frame.columns.duplicated() for frame in ((added, result) if is_right else (result, added))]
+    )
     its_suffix, other_suffix = (rsuffix, lsuffix) if is_right else (lsuffix, rsuffix)
     geometry = result.geometry.name
     result = result.rename(columns={column: f"{column}_{its_suffix}" for column in both})
@@ -387,9 +390,15 @@ def _joined(
     added = added.rename(columns={column: f"{column}_{other_suffix}" for column in both})
     geometry = result.geometry.name
     parts = [added, result] if is_right else [result, added]
+    names = parts[0].columns.append(parts[1].columns)
+    names = names.append(pandas.Index([] if distance_col is None else [distance_col]))
+    twice = names.duplicated()
+    twice[:len(were_twice)] &= ~were_twice
+    if twice.any():
+        raise ValueError(f"the result would have two columns {names[twice][0]!r}")
     joined = type(its)(pandas.concat(parts, axis=1), geometry=geometry, crs=its.crs)
-    if distances is not None:
-        joined[_DISTANCES] = values[order]
+    if distance_col is not None:
+        joined[distance_col] = values[order]
     return joined
 
 

@@ -185,6 +185,33 @@ def test_lazy_nearest_is_that_of_one_process(no_client, k, max_distance, are_poi
         np.testing.assert_allclose(exact, found["distance"], rtol=1e-4, atol=1e-6)
 
 
+@pytest.mark.parametrize("partitions", [4, 20])
+def test_nearest_has_no_rows_beyond_the_objects(no_client, monkeypatch, partitions):
+    rng = np.random.default_rng(19)
+    boxes, points, search = uniform(rng, 200), rng.random((200, 3)), hd._nearest_in
+    searched = []
+
+    def nearest_in(partition, piece, *arguments):
+        found = search(partition, piece, *arguments)
+        searched.append(len(piece[0]) * len(partition.tree))
+        assert {len(column) for column in found} == {searched[-1]}
+        return found
+
+    monkeypatch.setattr(hd, "_nearest_in", nearest_in)
+    found = hd.BVH(boxes, partitions).nearest(points, k=3000).compute()
+    assert len(found) == sum(searched) == 40_000
+    monkeypatch.undo()
+    assert len(hd.BVH(boxes, partitions).nearest(points + 9, 5, 1).compute(scheduler="sync")) == 0
+
+
+@pytest.mark.filterwarnings("error:overflow")
+def test_nearest_beyond_the_floats(no_client):
+    boxes = uniform(np.random.default_rng(20), 20)
+    points = np.array([[1e300, 0, 0], [0, -1e300, 0]])
+    found = hd.BVH(boxes, 2).nearest(points, 20).compute()
+    assert len(found) == (hs.BVH(boxes).nearest(points, 20)[0] >= 0).sum()
+
+
 def test_a_tree_is_a_collection(client):
     rng = np.random.default_rng(13)
     boxes, probes = uniform(rng, 3000), uniform(rng, 500)
@@ -210,6 +237,29 @@ def test_a_tree_is_a_collection(client):
     assert tree.query(chunked(probes, 100)).map_partitions(len).compute().sum() == len(expected)
 
 
+def test_as_many_tasks_as_threads_wait_for_batches(client):
+    boxes = uniform(np.random.default_rng(17), 1000)
+    tree = hd.BVH(chunked(boxes), partitions=3)
+
+    def count(tree, number):
+        # The second call is of a thread that has left the pool.
+        return [sum(len(rows) for rows, _ in tree.query_batches(boxes)) for _ in range(2)]
+
+    futures = [client.submit(count, tree, number) for number in range(2)]
+    expected = hs.BVH(boxes).count(boxes).sum()
+    distributed.wait(futures, timeout=60)
+    assert client.gather(futures) == [[expected] * 2] * 2
+
+
+def test_cancelled_partitions_are_built_again(client):
+    boxes = uniform(np.random.default_rng(18), 500)
+    tree = hd.BVH(boxes, partitions=3)
+    expected = pairs_of(tree.query_batches(boxes))
+    for some in (slice(1, 2), slice(0, 3)):
+        client.cancel(tree._on_cluster.partitions[some])
+        np.testing.assert_array_equal(pairs_of(tree.query_batches(boxes)), expected)
+
+
 def frame_of(boxes, names):
     return pd.DataFrame(boxes, columns=names.split())
 
@@ -224,6 +274,7 @@ SOURCES = {
     "a frame of dask": lambda boxes, tmp: dask.dataframe.from_pandas(
         frame_of(boxes[:, [2, 0, 3, 1]], "maxx minx maxy miny"), npartitions=3),
     "a frame of pandas": lambda boxes, tmp: frame_of(boxes, BBOX).assign(name="x"),
+    "nullable columns": lambda boxes, tmp: frame_of(boxes, BBOX).astype("Float64"),
     "columns without these names": lambda boxes, tmp: frame_of(boxes, "a b c d"),
     "GeoParquet": lambda boxes, tmp: [tmp / "a.parquet", tmp / "b.parquet"],
 }
@@ -251,6 +302,30 @@ def test_lazy_sources(no_client, tmp_path, monkeypatch, source, partitions):
     np.testing.assert_array_equal(table(hd.scan(its, boxes[:9]), "row", "id"),
                                   pairs_of([hs.BVH(boxes).query(boxes[:9])]))
     assert len(tree) == 2000
+
+
+AXES = "xmin ymin zmin xmax ymax zmax"
+
+
+@pytest.mark.parametrize("frame", [
+    lambda boxes: frame_of(boxes, AXES),
+    lambda boxes: frame_of(boxes, "minx miny minz maxx maxy maxz").assign(a=1),
+    lambda boxes: frame_of(boxes[:, ::-1], "maxz maxy maxx minz miny minx"),
+    lambda boxes: pd.DataFrame({"bbox": [dict(zip(AXES.split(), box)) for box in boxes]}),
+])
+def test_columns_of_three_dimensions(no_client, frame):
+    boxes = uniform(np.random.default_rng(16), 50)
+    tree = hd.BVH(frame(boxes), partitions=2).compute()
+    np.testing.assert_array_equal(tree.boxes(), hs.BVH(boxes).boxes())
+
+
+def test_a_null_bbox_is_empty(no_client):
+    boxes = [None, *({"xmin": x, "ymin": 0.0, "xmax": x + 1, "ymax": 1.0} for x in range(3)),
+             dict.fromkeys(BBOX.split())]
+    for some, ids in ((boxes, [1, 2]), (boxes[1:], [0, 1]), (boxes[:1], [])):
+        tree = hd.BVH(dask.delayed(pd.DataFrame({"bbox": some})), partitions=2)
+        assert tree.query([[0, 0, 1, 1.0]]).compute()["id"].to_list() == ids
+        assert len(tree) == len(some)
 
 
 def test_geometries(client):
@@ -387,6 +462,17 @@ def test_workers_write_files(client, tmp_path):
                                   pairs_of([(np.minimum(i, j), np.maximum(i, j))]))
 
 
+def test_a_call_that_fails_leaves_no_files(client, tmp_path):
+    boxes = uniform(np.random.default_rng(21), 4000, size=0.1)
+    bad = boxes.copy()
+    bad[-1, 0] = np.nan
+    tree = hd.BVH(boxes, partitions=3)
+    others = tree.query_batches(boxes[:1], to=tmp_path)
+    with pytest.raises(ValueError, match="chunk that begins at row 3900: .*NaN"):
+        tree.query_batches(chunked(bad, 100), max_results=1000, to=tmp_path)
+    assert sorted(map(str, tmp_path.iterdir())) == others
+
+
 def test_sources(client, tmp_path):
     rng = np.random.default_rng(6)
     boxes = uniform(rng, 3000).astype(np.float32)
@@ -406,9 +492,10 @@ def test_mapped_partitions(client):
     boxes = uniform(rng, 3000)
     tree = hd.BVH(boxes, partitions=3, mapped=True).persist()
     distributed.wait(tree)
+    name = tree._name  # Partitions of other tests can still be there.
     sizes = client.run(lambda dask_worker: [dask.sizeof.sizeof(value)
-                                            for value in dask_worker.data.values()
-                                            if isinstance(value, hd._Partition)])
+                                            for key, value in dask_worker.data.items()
+                                            if isinstance(value, hd._Partition) and name in str(key)])
     sizes = sum(sizes.values(), [])
     assert len(sizes) == 3 and max(sizes) < 3000 * 8 < tree.nbytes.compute()
     # A copy is in memory.
@@ -478,6 +565,11 @@ def test_masked_values_are_refused(client, call):
         call()
 
 
+def delayed(*widths):
+    """A tree of chunks of these widths, which are known when it is computed."""
+    return hd.BVH([dask.delayed(np.ones((2, width))) for width in widths], partitions=2)
+
+
 @pytest.mark.parametrize("call, message", [
     (lambda: hd.BVH(np.ones((3, 5))), r"boxes must have the shape \(n, 4\) or \(n, 6\)"),
     (lambda: hd.BVH(np.ones((3, 6)), balance="fair"), "balance must be"),
@@ -493,7 +585,19 @@ def test_masked_values_are_refused(client, call):
         chunked(np.array([[1.0] * 6, [np.nan] * 6]), 1))), "chunk that begins at row 1"),
     (lambda: hd.BVH(chunked(np.array([[1.0] * 6] * 3 + [[np.nan] * 6]), 2), partitions=2).compute(),
      "row 3 of boxes: .*NaN"),
+    (lambda: delayed(4, 6).compute(), "in chunk 1: boxes have the shape .n, 6., and those in chunk 0 .n, 4."),
+    (lambda: delayed(5).compute(), r"in chunk 0: boxes must have the shape \(n, 4\) or \(n, 6\)"),
+    (lambda: hd.join(delayed(4), delayed(6)).compute(), "must have the same dimensions"),
+    (lambda: hd.join_batches(delayed(4), delayed(6)), "must have the same dimensions"),
+    (lambda: hd.scan([dask.delayed(np.ones((2, 4)))], np.ones((2, 6))).compute(), "in chunk 0: "),
+    (lambda: hd.join(delayed(4), np.ones((3, 4))), "b: expected a halfspace.dask.BVH, got ndarray"),
+    (lambda: hd.join_batches(hs.BVH(np.ones((3, 4))), delayed(4)), "a: expected a halfspace.dask.BVH"),
+    (lambda: hd.BVH(delayed(4)), "boxes: expected boxes, got a halfspace.dask.BVH"),
+    (lambda: hd.BVH(np.ones((3, 6)), mapped="no"), "mapped must be True, False or None, not 'no'"),
+    (lambda: bool(delayed(4)), "truth value"),
+    (lambda: hd.BVH(frame_of(np.ones((2, 4)), BBOX).astype("Float64").shift(1)), "boxes: .*missing values"),
+    (lambda: hd.BVH(pytest.importorskip("geopandas").GeoDataFrame({"a": [1]})), "boxes: .*set_geometry"),
 ])
 def test_bad_input(client, call, message):
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises((TypeError, ValueError), match=message):
         call()

@@ -197,6 +197,16 @@ def test_errors(call, error, message):
         call()
 
 
+# Prepared geometries of shapely 1.8 fail to raise the error.
+@pytest.mark.skipif(geo._IS_VECTORISED, reason="shapely 2 has another error")
+def test_an_invalid_polygon_raises_the_error_of_shapely():
+    from shapely.errors import TopologicalError
+
+    bow = Polygon([(0, 0), (2, 2), (2, 0), (0, 2)])
+    with pytest.raises(TopologicalError, match="invalidity of the geometry"):
+        geo.STRtree([box(0, 0, 1, 1)]).query(bow, "touches")
+
+
 def frame_of(count, seed, names, index=None):
     geopandas = pytest.importorskip("geopandas")
     random = np.random.default_rng(seed)
@@ -238,8 +248,10 @@ def same(found, expected):
 @pytest.mark.parametrize("number", range(7))
 def test_sjoin_is_that_of_geopandas(how, number):
     geopandas = pytest.importorskip("geopandas")
+    pandas = pytest.importorskip("pandas")
     pytest.importorskip("rtree")
     left, right = frames()[number]
+    copies = pickle.loads(pickle.dumps((left, right)))
     for predicate in ("intersects", "within", "contains", "touches", "covers"):
         options = {"how": how, "predicate": predicate, "lsuffix": "l", "rsuffix": "r"}
         found = geo.sjoin(left, right, **options)
@@ -250,6 +262,10 @@ def test_sjoin_is_that_of_geopandas(how, number):
             rows = [places[key] for key in found.index]
             assert rows == sorted(rows)
     same(geo.sjoin(left, right), geopandas.sjoin(left, right))
+    # The join changed neither.
+    for frame, copy in zip((left, right), copies):
+        pandas.testing.assert_frame_equal(frame, copy)
+        assert frame.index.names == copy.index.names
 
 
 @pytest.mark.parametrize("how", ["inner", "left", "right"])
@@ -287,6 +303,30 @@ def test_sjoin_errors():
         geo.sjoin(frame, frame, predicate="near")
     with pytest.warns(UserWarning, match="left_df has the CRS None, and right_df EPSG:4326"):
         geo.sjoin(frame, frame.set_crs("EPSG:4326"))
+    for call, name in [
+        (lambda: geo.sjoin(frame.assign(index=1), frame.assign(index=1)), "index_right"),
+        (lambda: geo.sjoin(frame, frame, "right", lsuffix="x", rsuffix="x"), "a_x"),
+        (lambda: geo.sjoin(frame.assign(a_left=1), frame), "a_left"),
+        (lambda: geo.sjoin_nearest(frame, frame, distance_col="a_left"), "a_left"),
+        (lambda: geo.sjoin_nearest(frame, frame, distance_col="geometry"), "geometry"),
+    ]:
+        with pytest.raises(ValueError, match=f"the result would have two columns '{name}'"):
+            call()
+    # Two columns of one name in a frame are the caller's.
+    twice = frame_of(3, 7, ["b", "c"]).rename(columns={"c": "b"})
+    assert list(geo.sjoin(twice, frame).columns) == ["b", "b", "geometry", "index_right", "a"]
+    for call, name in [
+        (lambda: geo.sjoin(frame.assign(index=1), frame.assign(index=1)), "index_right"),
+        (lambda: geo.sjoin(frame, frame, "right", lsuffix="x", rsuffix="x"), "a_x"),
+        (lambda: geo.sjoin(frame.assign(a_left=1), frame), "a_left"),
+        (lambda: geo.sjoin_nearest(frame, frame, distance_col="a_left"), "a_left"),
+        (lambda: geo.sjoin_nearest(frame, frame, distance_col="geometry"), "geometry"),
+    ]:
+        with pytest.raises(ValueError, match=f"the result would have two columns '{name}'"):
+            call()
+    # Two columns of one name in a frame are the caller's.
+    twice = frame_of(3, 7, ["b", "c"]).rename(columns={"c": "b"})
+    assert list(geo.sjoin(twice, frame).columns) == ["b", "b", "geometry", "index_right", "a"]
     near = geo.sjoin(frame, frame, predicate="dwithin", distance=100)
     there = sum(map(is_there, frame.geometry))
     assert len(near) == there**2
