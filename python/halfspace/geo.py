@@ -379,9 +379,7 @@ def _joined(
     added = added.reset_index().reindex(ids[order])
     added.index = result.index
     both = result.columns.intersection(added.columns)
-    were_twice = np.concatenate(
-        [frame.columns.duplicated() for frame in ((added, result) if is_right else (result, added))]
-    )
+    were_twice = np.concatenate([result.columns.duplicated(), added.columns.duplicated()])
     its_suffix, other_suffix = (rsuffix, lsuffix) if is_right else (lsuffix, rsuffix)
     geometry = result.geometry.name
     result = result.rename(columns={column: f"{column}_{its_suffix}" for column in both})
@@ -390,8 +388,9 @@ def _joined(
     added = added.rename(columns={column: f"{column}_{other_suffix}" for column in both})
     geometry = result.geometry.name
     parts = [added, result] if is_right else [result, added]
-    names = parts[0].columns.append(parts[1].columns)
-    names = names.append(pandas.Index([] if distance_col is None else [distance_col]))
+    names = result.columns.append(added.columns)
+    if distance_col is not None:
+        names = names.append(pandas.Index([distance_col]))
     twice = names.duplicated()
     twice[:len(were_twice)] &= ~were_twice
     if twice.any():
