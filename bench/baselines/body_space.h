@@ -1,5 +1,5 @@
-// Broad phases of other libraries, which the benchmarks compare with
-// BroadPhase. A space calls the fastest interface of its library, in one
+// Broad phases of other libraries, and our own, which the benchmarks compare.
+// A space calls the fastest interface of its library, in one
 // thread.
 //
 // Boxes are closed, finite and not inverted. Ids are 0 to `bodies - 1`. The

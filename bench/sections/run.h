@@ -91,7 +91,6 @@ class Run {
   // One more group of it, unless there are enough.
   void AddVerdictGroup();
 
-  // A kernel timed against itself, and the clock.
   ClockProbe& clock() { return clock_; }
   // What other programs took since the run began.
   Load LoadNow() const { return load_.Sample(); }

@@ -1249,13 +1249,13 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
 
 
 def _join(a: BVH, b: BVH, frame_of):
-    """The frames of the partitions of `a`, and what those of `b` send to them. Those of
-    one tree send only to the partitions after them."""
+    """The frames of the partitions of `a`, and what those of `b` send to them: for the
+    pairs of one tree, only to the partitions after them."""
     name = _name("join")
     tasks: dict = {}
     borders = [(f"{name}-send", p) for p in range(b.npartitions)]
     tasks.update((key, (_route_border, (b._name, key[1]), a._top_key,
-                        key[1] if a is b and frame_of is _frame_of_pairs else -1))
+                        key[1] if frame_of is _frame_of_pairs else -1))
                  for key in borders)
     for p, pieces in enumerate(zip(*_send(tasks, name, borders, a.npartitions))):
         tasks[name, p] = (frame_of, (a._name, p), list(pieces))
