@@ -47,12 +47,14 @@ build_preset() {
 
 # Two programs that start at once would each start a server of wine, and one of them then
 # looks for its socket in the other's folder. The server ends a minute after the last program.
-# Its status is 2 if it runs already.
-start_wine() {
-  local prefix=$root/build/windows/wine
-  mkdir -p "$prefix"
-  env WINEPREFIX="$prefix" PATH="$PATH:/usr/lib/wine" wineserver --persistent=60 || [ $? -eq 2 ]
-}
+# Its status is 2 if it runs already. Wine's services start here too, as a test that started
+# them would seem to run until they end: they keep its output open.
+start_wine() (
+  export WINEPREFIX=$root/build/windows/wine PATH=$PATH:/usr/lib/wine
+  mkdir -p "$WINEPREFIX"
+  wineserver --persistent=60 || [ $? -eq 2 ]
+  WINEDEBUG=-all WINEDLLOVERRIDES=mscoree,mshtml= wine64 wineboot
+)
 
 # test_preset PRESET [-B FOLDER] [CTEST ARGUMENT...]: says how many tests failed, and
 # shows what they said. With `show_all` the output of ctest is shown, and not in a log.
