@@ -315,18 +315,6 @@ def test_sjoin_errors():
     # Two columns of one name in a frame are the caller's.
     twice = frame_of(3, 7, ["b", "c"]).rename(columns={"c": "b"})
     assert list(geo.sjoin(twice, frame).columns) == ["b", "b", "geometry", "index_right", "a"]
-    for call, name in [
-        (lambda: geo.sjoin(frame.assign(index=1), frame.assign(index=1)), "index_right"),
-        (lambda: geo.sjoin(frame, frame, "right", lsuffix="x", rsuffix="x"), "a_x"),
-        (lambda: geo.sjoin(frame.assign(a_left=1), frame), "a_left"),
-        (lambda: geo.sjoin_nearest(frame, frame, distance_col="a_left"), "a_left"),
-        (lambda: geo.sjoin_nearest(frame, frame, distance_col="geometry"), "geometry"),
-    ]:
-        with pytest.raises(ValueError, match=f"the result would have two columns '{name}'"):
-            call()
-    # Two columns of one name in a frame are the caller's.
-    twice = frame_of(3, 7, ["b", "c"]).rename(columns={"c": "b"})
-    assert list(geo.sjoin(twice, frame).columns) == ["b", "b", "geometry", "index_right", "a"]
     near = geo.sjoin(frame, frame, predicate="dwithin", distance=100)
     there = sum(map(is_there, frame.geometry))
     assert len(near) == there**2
