@@ -226,8 +226,9 @@ def stored(main, others):
         if added:
             run["context"][f"also {name or ', '.join(added)}"] = (
                 f"{context['version']}, {context['date'][:10]}: `{command_of(context)}`")
+    run["tables"] = json.loads(  # without folders, which also stand in notes and rows
+        re.sub(r'[^\s"]*/([^\s"/]+\.(?:obj|csv))', r"\1", json.dumps(run["tables"])))
     for table in run["tables"]:
-        table["title"] = re.sub(r"\S*/(\S+\.(?:obj|csv))", r"\1", table["title"])
         if table["name"] == "broad_phase":  # more than 1000 rows
             by = [column["name"] for column in table["columns"]].index("by")
             what = [column["name"] for column in table["columns"]].index("what")
