@@ -11,10 +11,7 @@ FetchContent_Declare(benchmark
   URL "${sources}"
   URL_HASH SHA256=6430e4092653380d9dc4ccb45a1e2dc9259d581f4866dc0759713126056bc1d7
   DOWNLOAD_EXTRACT_TIMESTAMP OFF)
-FetchContent_GetProperties(benchmark)
-if(NOT benchmark_POPULATED)
-  FetchContent_Populate(benchmark)
-endif()
+FetchContent_Populate(benchmark)
 foreach(option TESTING WERROR INSTALL)
   set(BENCHMARK_ENABLE_${option} OFF CACHE BOOL "")
 endforeach()
