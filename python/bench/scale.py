@@ -8,7 +8,6 @@ Needs the module `halfspace`, and python3-distributed. docs/scale.md explains th
 """
 
 import argparse
-import math
 import os
 import sys
 import tempfile
@@ -148,7 +147,7 @@ def sends(chunks, partitions):
     """The tasks that send rows of chunks to partitions."""
     if partitions <= hd._ONE_STAGE:
         return chunks * partitions
-    step = math.isqrt(partitions - 1) + 1
+    step = hd._step(partitions)
     groups, blocks = -(-partitions // step), -(-chunks // step)
     return groups * (chunks + blocks) + blocks * partitions
 

@@ -869,8 +869,7 @@ class _Runner:
         lazy = _Lazy(_name("chunks"), {}, source.collections)
 
         def read(chunk: int) -> distributed.Future:
-            return self.client.compute(Delayed(source.keys[chunk], lazy.__dask_graph__(),
-                                               layer=lazy._name))
+            return self.client.compute(_delayed(lazy, source.keys[chunk]))
 
         sizes = source.sizes
         if sizes is None:
