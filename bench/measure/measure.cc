@@ -24,7 +24,11 @@ double QuantileOf(std::vector<double> values, double quantile) {
 // Fixed in advance, so that the time of the whole run can be estimated. The
 // second call is the warm one; it cannot change the answer for a long one.
 std::size_t IterationsFor(const Case& c, const Effort& effort) {
-  const double seconds = effort.seconds_per_repetition;
+  double seconds = effort.seconds_per_repetition;
+#if defined(__EMSCRIPTEN__)
+  // The clocks of browsers have steps of 0.1 ms to 1 ms.
+  seconds = std::max(seconds, 0.002);
+#endif
   std::size_t least = 1;
   if (effort.is_complete) {
     least = (c.runs_of_all + effort.repetitions - 1) / effort.repetitions;
