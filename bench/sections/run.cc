@@ -212,7 +212,10 @@ void Run::AddVerdictGroup() {
 }
 
 const Verdict& Run::TheVerdict() {
-  while (!verdict_ || verdict_->groups() < kGroups) AddVerdictGroup();
+  while (!verdict_ || verdict_->groups() < kGroups) {
+    progress.BeginPart(verdict_ ? verdict_->groups() : 0, kGroups);
+    AddVerdictGroup();
+  }
   return *verdict_;
 }
 

@@ -1,0 +1,25 @@
+// test.mjs PAGE: opens the page in headless Chromium, and reads its verdict.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { hasChromium, postedBy } from '../../js/test/chromium.mjs';
+
+if (!hasChromium) {
+  console.log('not tested: there is no chromium');
+  process.exit(0);
+}
+const report = await postedBy(`${readFileSync(process.argv[2], 'utf8')}<script>
+  new MutationObserver(() => fetch('/posted', { method: 'POST', body: report.innerHTML }))
+    .observe(document.getElementById('report'), { childList: true });
+  </script>`);
+console.log(report);
+assert.match(report, /The simplex scan is faster than the box scan/);
+for (const name of ['scalar', 'WASM, 4']) {
+  assert.match(report, new RegExp(`\n {2}${name} .*\n`));
+  assert.match(report, new RegExp(`<th class="n">${name} `));
+}
+assert.match(report, /With an exact test of \d/);
+const count = (what) => report.split(what).length - 1;
+assert.equal(count('<tr>'), 1 + 7);
+assert.equal(count('<td'), 3 * 7);
+assert.equal(count('<polyline'), 2);
+assert.doesNotMatch(report, /NaN|undefined|null/);
