@@ -1,4 +1,4 @@
-// hs_bvh_...() and hs_builder_...() that create and change a hierarchy.
+// hs_bvh_...() that create and change a hierarchy.
 #include "c/bvh.h"
 
 #include <atomic>
@@ -62,16 +62,6 @@ BuildQuality ReadQuality(const Call& call, hs_quality quality) {
             static_cast<int>(quality));
 }
 
-hs_bvh* Build(const Call& call, const BvhConfig& config,
-              const detail::Columns& objects) {
-  CallerThreads threads(call, "config->run", config.run, config.run_context);
-  BuildOptions options = config.options;
-  options.run = threads.runner();
-  auto bvh = MakeBvh(config.layout, options.memory);
-  bvh->tree.Build(objects, options);
-  return bvh.release();
-}
-
 // Minima of simplices become a record with maxima.
 void WriteRecord(const hs_bvh& bvh, const float* values, float* record) {
   for (std::size_t v = 0; v < RecordValues(bvh.layout); ++v) {
@@ -97,6 +87,16 @@ BvhConfig::BvhConfig(const Call& call, const hs_bvh_config* config) {
   options.memory = ReadAllocator(call, read.allocator);
 }
 
+NewBvh BuildBvh(const Call& call, const BvhConfig& config,
+                const detail::Columns& objects) {
+  CallerThreads threads(call, "config->run", config.run, config.run_context);
+  BuildOptions options = config.options;
+  options.run = threads.runner();
+  auto bvh = MakeBvh(config.layout, options.memory);
+  bvh->tree.Build(objects, options);
+  return bvh;
+}
+
 void CallerThreads::operator()(std::size_t count,
                                const Runner::Part& part) const {
   Parts parts(part, count);
@@ -117,18 +117,6 @@ hs_bvh::hs_bvh(const PlaneLayout& its_layout,
       queries(Values::OfQueries(layout)),
       tree(halfspace::c::TypeOf(layout), memory) {}
 
-struct hs_builder {
-  explicit hs_builder(const BvhConfig& its_config)
-      : config(its_config),
-        objects(Values::OfObjects(its_config.layout)),
-        rows(halfspace::detail::BlockAllocator<float>(
-            its_config.options.memory)) {}
-
-  const BvhConfig config;
-  const Values objects;
-  halfspace::c::FloatVector rows;
-};
-
 hs_status hs_bvh_config_default(hs_bvh_config* config, size_t struct_size) {
   return halfspace::c::WriteDefaults(
       "hs_bvh_config_default", &halfspace::c::kBvhDefaults,
@@ -142,53 +130,13 @@ hs_status hs_bvh_create(const hs_bvh_config* config, const hs_columns* objects,
     const BvhConfig read(call, config);
     const Values values = Values::OfObjects(read.layout);
     CheckColumns(call, "objects", objects, values);
-    *bvh = halfspace::c::Build(call, read, ColumnsOf(*objects, values));
+    *bvh = halfspace::c::BuildBvh(call, read, ColumnsOf(*objects, values))
+               .release();
   });
 }
 
 void hs_bvh_destroy(hs_bvh* bvh) {
   if (bvh != nullptr) halfspace::c::Delete(bvh->tree.memory(), bvh);
-}
-
-hs_status hs_builder_create(const hs_bvh_config* config, hs_builder** builder) {
-  return Run("hs_builder_create", [&](const Call& call) {
-    call.CheckPointer("builder", builder);
-    const BvhConfig read(call, config);
-    *builder = halfspace::c::New<hs_builder>(read.options.memory, read);
-  });
-}
-
-hs_status hs_builder_push(hs_builder* builder, const hs_columns* objects) {
-  return Run("hs_builder_push", [&](const Call& call) {
-    call.CheckPointer("builder", builder);
-    CheckColumns(call, "objects", objects, builder->objects);
-    auto& rows = builder->rows;
-    const size_t size = rows.size();
-    const size_t count = size / builder->objects.count + objects->count;
-    halfspace::detail::BvhTree(halfspace::c::TypeOf(builder->config.layout),
-                               builder->config.options.memory)
-        .CheckBuild(count, builder->config.options);
-    rows.resize(size + objects->count * builder->objects.count);
-    halfspace::c::WriteRows(*objects, builder->objects, 0, objects->count,
-                            rows.data() + size);
-  });
-}
-
-hs_status hs_builder_finish(const hs_builder* builder, hs_bvh** bvh) {
-  return Run("hs_builder_finish", [&](const Call& call) {
-    call.CheckPointer("builder", builder);
-    call.CheckPointer("bvh", bvh);
-    const size_t values = builder->objects.count;
-    *bvh = halfspace::c::Build(
-        call, builder->config,
-        halfspace::detail::ColumnsOfRows(
-            builder->rows.data(), builder->rows.size() / values, values));
-  });
-}
-
-void hs_builder_destroy(hs_builder* builder) {
-  if (builder == nullptr) return;
-  halfspace::c::Delete(builder->config.options.memory, builder);
 }
 
 hs_status hs_bvh_size(const hs_bvh* bvh, size_t* size) {

@@ -71,6 +71,12 @@ inline NewBvh MakeBvh(const PlaneLayout& layout, const MemoryResource& memory) {
   return NewBvh(New<hs_bvh>(memory, layout, memory));
 }
 
+NewBvh BuildBvh(const Call& call, const BvhConfig& config,
+                const detail::Columns& objects);
+NewBvh MapBvh(const Call& call, const char* path, const BvhConfig& config);
+void SaveBvh(const Call& call, const char* path, const PlaneLayout& layout,
+             const detail::BvhTree& tree);
+
 }  // namespace halfspace::c
 
 #endif  // HALFSPACE_C_BVH_H_

@@ -20,17 +20,19 @@ constexpr std::size_t kAxes = detail::kCenterAxes;
 // The number of objects that a thread takes at a time.
 constexpr std::size_t kPart = kBlockObjects * kBlockObjects;
 
-// Calls function(first, count, centers) for 64 objects at a time.
+// Calls function(first, count, centers) for 64 of objects begin ... end - 1 at
+// a time.
 template <typename Function>
-void ForCenters(const detail::Columns& objects, const Kernels& kernels,
-                const Runner& run, const Function& function) {
-  const std::size_t parts = (objects.size + kPart - 1) / kPart;
+void ForCenters(const detail::Columns& objects, std::size_t begin,
+                std::size_t end, const Kernels& kernels, const Runner& run,
+                const Function& function) {
+  const std::size_t parts = (end - begin + kPart - 1) / kPart;
   RunInDefaultFpMode(run, parts, [&](std::size_t part) {
-    const std::size_t end = std::min(objects.size, (part + 1) * kPart);
+    const std::size_t part_end = std::min(end, begin + (part + 1) * kPart);
     Centers centers;
-    for (std::size_t first = part * kPart; first < end;
+    for (std::size_t first = begin + part * kPart; first < part_end;
          first += kBlockObjects) {
-      const std::size_t count = std::min(kBlockObjects, end - first);
+      const std::size_t count = std::min(kBlockObjects, part_end - first);
       kernels.centers(objects, first, count, centers);
       function(first, count, centers);
     }
@@ -150,17 +152,45 @@ void SortByMedians(Entry* entries, Piece piece) {
   }
 }
 
-struct Key {
-  std::uint32_t place;
-  std::uint32_t id;
-};
-static_assert(2 * sizeof(Key) == kOrderScratch);
+}  // namespace
+
+void OrderByMedians(const detail::Columns& objects, const Kernels& kernels,
+                    std::byte* scratch, std::uint32_t* ids, const Runner& run) {
+  auto* const entries = reinterpret_cast<Entry*>(scratch);
+  ForCenters(objects, 0, objects.size, kernels, run,
+             [&](std::size_t first, std::size_t count, const Centers& centers) {
+               for (std::size_t i = 0; i < count; ++i) {
+                 entries[first + i] = {
+                     {centers[0][i], centers[1][i], centers[2][i]},
+                     static_cast<std::uint32_t>(first + i)};
+               }
+             });
+  // Pieces are split until there are enough of them for all threads.
+  constexpr std::size_t kPieces = 64;
+  std::array<Piece, kPieces> pieces;
+  std::size_t count = 1;
+  pieces[0] = {0, objects.size};
+  while (2 * count <= kPieces && objects.size / count > kPart) {
+    std::array<Piece, kPieces> halves;
+    RunInDefaultFpMode(run, count, [&](std::size_t i) {
+      const std::size_t middle = Split(entries, pieces[i]);
+      halves[2 * i] = {pieces[i].begin, middle};
+      halves[2 * i + 1] = {middle, pieces[i].end};
+    });
+    pieces = halves;
+    count *= 2;
+  }
+  RunInDefaultFpMode(run, count,
+                     [&](std::size_t i) { SortByMedians(entries, pieces[i]); });
+  for (std::size_t i = 0; i < objects.size; ++i) ids[i] = entries[i].id;
+}
 
 // The grid over most centers, by a sample of consecutive objects. The outermost
 // 16ths of the sample extend the range of the others by at most a quarter.
 // Objects farther away share the cells at the end, because they would leave the
 // others few cells.
 detail::Grid GridOf(const detail::Columns& objects, const Kernels& kernels) {
+  const DefaultFpMode mode;
   constexpr std::size_t kRuns = 32;
   constexpr std::size_t kRun = 4;
   constexpr float kMostCells = std::numeric_limits<float>::max() / 0x1p15f;
@@ -199,62 +229,30 @@ detail::Grid GridOf(const detail::Columns& objects, const Kernels& kernels) {
   return grid;
 }
 
-}  // namespace
-
-void OrderByMedians(const detail::Columns& objects, const Kernels& kernels,
-                    std::byte* scratch, std::uint32_t* ids, const Runner& run) {
-  auto* const entries = reinterpret_cast<Entry*>(scratch);
-  ForCenters(objects, kernels, run,
-             [&](std::size_t first, std::size_t count, const Centers& centers) {
-               for (std::size_t i = 0; i < count; ++i) {
-                 entries[first + i] = {
-                     {centers[0][i], centers[1][i], centers[2][i]},
-                     static_cast<std::uint32_t>(first + i)};
-               }
-             });
-  // Pieces are split until there are enough of them for all threads.
-  constexpr std::size_t kPieces = 64;
-  std::array<Piece, kPieces> pieces;
-  std::size_t count = 1;
-  pieces[0] = {0, objects.size};
-  while (2 * count <= kPieces && objects.size / count > kPart) {
-    std::array<Piece, kPieces> halves;
-    RunInDefaultFpMode(run, count, [&](std::size_t i) {
-      const std::size_t middle = Split(entries, pieces[i]);
-      halves[2 * i] = {pieces[i].begin, middle};
-      halves[2 * i + 1] = {middle, pieces[i].end};
-    });
-    pieces = halves;
-    count *= 2;
-  }
-  RunInDefaultFpMode(run, count,
-                     [&](std::size_t i) { SortByMedians(entries, pieces[i]); });
-  for (std::size_t i = 0; i < objects.size; ++i) ids[i] = entries[i].id;
-}
-
-void OrderByCurve(const detail::Columns& objects, const Kernels& kernels,
-                  std::byte* scratch, std::uint32_t* ids, const Runner& run) {
-  const detail::Grid grid =
-      InDefaultFpMode([&] { return GridOf(objects, kernels); });
-  auto* from = reinterpret_cast<Key*>(scratch);
-  auto* to = from + objects.size;
+const CurveKey* KeysByCurve(const detail::Columns& objects, std::size_t begin,
+                            std::size_t end, const detail::Grid& grid,
+                            const Kernels& kernels, std::byte* scratch,
+                            const Runner& run) {
+  const std::size_t count = end - begin;
+  auto* from = reinterpret_cast<CurveKey*>(scratch);
+  auto* to = from + count;
   // A radix sort, the lowest digit first.
   constexpr std::size_t kDigits = 3;
   constexpr std::uint32_t kDigitBits = detail::kPlaceBits / kDigits;
   std::array<std::array<std::uint32_t, 1u << kDigitBits>, kDigits> starts{};
-  const auto digit_of = [](const Key& key, std::size_t digit) {
+  const auto digit_of = [](const CurveKey& key, std::size_t digit) {
     return key.place >> digit * kDigitBits & ((1u << kDigitBits) - 1);
   };
-  ForCenters(
-      objects, kernels, run,
-      [&](std::size_t first, std::size_t count, const Centers& centers) {
-        std::array<std::uint32_t, kBlockObjects> places;
-        kernels.places(centers, grid, places.data());
-        for (std::size_t i = 0; i < count; ++i) {
-          from[first + i] = {places[i], static_cast<std::uint32_t>(first + i)};
-        }
-      });
-  for (std::size_t i = 0; i < objects.size; ++i) {
+  ForCenters(objects, begin, end, kernels, run,
+             [&](std::size_t first, std::size_t some, const Centers& centers) {
+               std::array<std::uint32_t, kBlockObjects> places;
+               kernels.places(centers, grid, places.data());
+               for (std::size_t i = 0; i < some; ++i) {
+                 from[first - begin + i] = {
+                     places[i], static_cast<std::uint32_t>(first + i)};
+               }
+             });
+  for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t d = 0; d < kDigits; ++d) ++starts[d][digit_of(from[i], d)];
   }
   for (std::size_t d = 0; d < kDigits; ++d) {
@@ -262,12 +260,20 @@ void OrderByCurve(const detail::Columns& objects, const Kernels& kernels,
     for (std::uint32_t& bucket : starts[d]) {
       start += std::exchange(bucket, start);
     }
-    for (std::size_t i = 0; i < objects.size; ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
       to[starts[d][digit_of(from[i], d)]++] = from[i];
     }
     std::swap(from, to);
   }
-  for (std::size_t i = 0; i < objects.size; ++i) ids[i] = from[i].id;
+  return from;
+}
+
+void OrderByCurve(const detail::Columns& objects, const Kernels& kernels,
+                  std::byte* scratch, std::uint32_t* ids, const Runner& run) {
+  const CurveKey* const keys =
+      KeysByCurve(objects, 0, objects.size, GridOf(objects, kernels), kernels,
+                  scratch, run);
+  for (std::size_t i = 0; i < objects.size; ++i) ids[i] = keys[i].id;
 }
 
 }  // namespace halfspace::dispatch

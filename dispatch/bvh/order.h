@@ -25,6 +25,23 @@ void OrderByCurve(const detail::Columns& objects,
                   const detail::BvhKernels::OfPlanes& kernels,
                   std::byte* scratch, std::uint32_t* ids, const Runner& run);
 
+// The parts of OrderByCurve(). The grid of all objects:
+detail::Grid GridOf(const detail::Columns& objects,
+                    const detail::BvhKernels::OfPlanes& kernels);
+
+struct CurveKey {
+  std::uint32_t place;
+  std::uint32_t id;
+};
+static_assert(2 * sizeof(CurveKey) == kOrderScratch);
+
+// The keys of objects begin ... end - 1 in order, those of one place by id. The
+// result is in the scratch memory.
+const CurveKey* KeysByCurve(const detail::Columns& objects, std::size_t begin,
+                            std::size_t end, const detail::Grid& grid,
+                            const detail::BvhKernels::OfPlanes& kernels,
+                            std::byte* scratch, const Runner& run);
+
 }  // namespace halfspace::dispatch
 
 #endif  // HALFSPACE_DISPATCH_BVH_ORDER_H_

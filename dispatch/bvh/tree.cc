@@ -152,18 +152,22 @@ void BvhState::BuildIn(const BvhRoom& room, const Columns& objects,
   const BvhKernels::OfPlanes& kernels =
       KernelsFor(type_, options.target, kCall);
   if (objects.size == 0) return Free();
-  const Scratch scratch(memory_, objects.size * dispatch::kOrderScratch);
-  Allocate(room);
-  const auto put_in_order = options.quality == BuildQuality::kFast
-                                ? dispatch::OrderByCurve
-                                : dispatch::OrderByMedians;
-  put_in_order(objects, kernels, scratch.data(), levels_.ids, options.run);
-  Truncate(type_, levels_, objects.size);
+  if (IsSortedInRuns(objects.size, options)) {
+    BuildInRuns(room, objects, kernels, options);
+  } else {
+    const Scratch scratch(memory_, objects.size * dispatch::kOrderScratch);
+    Allocate(room);
+    const auto put_in_order = options.quality == BuildQuality::kFast
+                                  ? dispatch::OrderByCurve
+                                  : dispatch::OrderByMedians;
+    put_in_order(objects, kernels, scratch.data(), levels_.ids, options.run);
+    Truncate(type_, levels_, objects.size);
+    FillPresent(levels_.level[0], objects.size);
+    FillSlots(type_, levels_, objects, levels_.ids, kernels, options.run);
+  }
   BvhHeader& header = this->header();
   header.slots = header.size = header.ids = header.sorted =
       static_cast<std::uint32_t>(objects.size);
-  FillPresent(levels_.level[0], objects.size);
-  FillSlots(type_, levels_, objects, levels_.ids, kernels, options.run);
   dispatch::InDefaultFpMode([&] {
     for (std::size_t group = 0; group < GroupsOf(objects.size); ++group) {
       levels_.built[group] = AsIs(type_, levels_, GroupAt(levels_, group));

@@ -73,6 +73,12 @@ class BvhState {
   void CheckBuild(std::size_t objects, const BuildOptions& options) const;
   void BuildIn(const BvhRoom& room, const Columns& objects,
                const BuildOptions& options);
+  // Builds in parts that fit into memory (runs.cc).
+  std::size_t RunObjects(const BuildOptions& options) const;
+  bool IsSortedInRuns(std::size_t objects, const BuildOptions& options) const;
+  void BuildInRuns(const BvhRoom& room, const Columns& objects,
+                   const BvhKernels::OfPlanes& kernels,
+                   const BuildOptions& options);
   // Throws if ids and slots contradict each other, as in an altered blob:
   // changes would write outside of the memory.
   void CheckLoaded(const char* call);

@@ -90,6 +90,12 @@ struct BuildOptions {
   // default the calling thread does all of it.
   Runner run = {};
   Target target = {};  // by default, the chosen one (targets.h)
+  // For objects and a resource that are mapped files, and do not fit into
+  // memory. If it is not 0, more objects than fit into so many bytes are sorted
+  // along a Hilbert curve as kFast does, in runs that do, and the runs are
+  // merged. All but one run is read and written in order, so pages can be
+  // evicted. A run needs 24 bytes and the bound for each object.
+  std::size_t run_bytes = 0;
 };
 
 // What queries read of a world. A query adds to it.

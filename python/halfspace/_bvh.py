@@ -5,7 +5,7 @@ from __future__ import annotations
 import mmap
 import os
 import pickle
-from typing import Any, Callable, Iterator, Optional, Tuple, Type, Union
+from typing import Any, Callable, Iterable, Iterator, Optional, Tuple, Type, Union
 
 import numpy as np
 
@@ -123,6 +123,48 @@ class BVH(Searches):
                 raise ValueError(f"{name}: the file is empty")
             mapped = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
         return cls._of(_load(mapped, name, verify))
+
+    @classmethod
+    def from_chunks(
+        cls, path: Path, chunks: Iterable[Any], *, quality: str = "high", memory: int = 1 << 28
+    ) -> "BVH":
+        """Writes a tree of more boxes than fit into memory to a file, and maps it.
+
+        `chunks` are arrays of boxes, as `BVH(boxes)` takes them, with the same number
+        of axes. The id of a box is its row in all chunks. The boxes are sorted in runs
+        that take `memory` bytes, and written to new files next to `path`, which need 5
+        times the bytes of the boxes as float32. The tree replaces `path` when it is
+        complete. What the call takes beyond `memory` and a chunk are pages of files,
+        which the system can evict.
+
+        The tree has the given quality if all boxes fit into one run, and else "fast".
+        Ctrl-C ends the call between two chunks. Raises OSError if a file cannot be
+        written.
+
+        >>> import numpy as np, halfspace as hs, tempfile, os
+        >>> def chunks():
+        ...     for seed in range(10):
+        ...         low = np.random.default_rng(seed).random((1000, 2))
+        ...         yield np.hstack([low, low + 0.01])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     len(hs.BVH.from_chunks(os.path.join(folder, "boxes.bvh"), chunks()))
+        10000
+        """
+        name = os.fsencode(path)
+        is_fast = _is_fast(quality)
+        memory = _arrays.positive(memory, "memory", _arrays.MOST_SIZE)
+        builder = None
+        dims = None
+        for i, chunk in enumerate(chunks):
+            table = _arrays.boxes(chunk, f"chunks[{i}]", dims)
+            if builder is None:
+                dims = table.columns // 2
+                builder = _halfspace.FileBuilder(name, dims, is_fast, memory)
+            builder.push(table.arrays)
+        if builder is None:
+            raise ValueError("chunks: expected at least one array, got none")
+        builder.finish()
+        return cls.map(path)
 
     @classmethod
     def _of(cls, tree: _halfspace.Tree) -> "BVH":

@@ -10,6 +10,7 @@
 #include <numeric>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -402,6 +403,48 @@ std::unique_ptr<Tree> MakeTree(const py::tuple& arrays, bool is_fast,
   work.Finish();
   return tree;
 }
+
+// Writes a tree of chunks of boxes to a file. Calls must come one after
+// another.
+class FileBuilder {
+ public:
+  FileBuilder(const std::string& path, std::size_t dims, bool is_fast,
+              std::size_t memory) {
+    hs_bvh_config config = ConfigOf(dims);
+    config.quality = is_fast ? HS_QUALITY_FAST : HS_QUALITY_HIGH;
+    hs_builder* builder = nullptr;
+    CheckFile(hs_builder_create_file(&config, path.c_str(), memory, &builder));
+    builder_.reset(builder);
+  }
+
+  void Push(const py::tuple& arrays) {
+    const Columns boxes(arrays);
+    CheckFile(
+        WithoutLock([&] { return hs_builder_push(builder_.get(), &boxes); }));
+  }
+  void Finish() {
+    hs_bvh* bvh = nullptr;
+    CheckFile(
+        WithoutLock([&] { return hs_builder_finish(builder_.get(), &bvh); }));
+    hs_bvh_destroy(bvh);
+  }
+
+ private:
+  template <typename Call>
+  static hs_status WithoutLock(const Call& call) {
+    const py::gil_scoped_release release;
+    return call();
+  }
+  static void CheckFile(hs_status status) {
+    if (status == HS_IO_ERROR) {
+      PyErr_SetString(PyExc_OSError, hs_last_error_reason());
+      throw py::error_already_set();
+    }
+    Check(status);
+  }
+
+  std::unique_ptr<hs_builder, Destroy<&hs_builder_destroy>> builder_;
+};
 
 // In place if the bytes are aligned, and else a copy. `blob` is an array of
 // bytes.
@@ -834,6 +877,10 @@ void DefineTree(py::module_& module) {
                                return tree.doubles.capacity() * sizeof(double);
                              })
       .def_readonly("changes", &Tree::changes);
+  py::class_<FileBuilder>(module, "FileBuilder")
+      .def(py::init<const std::string&, std::size_t, bool, std::size_t>())
+      .def("push", &FileBuilder::Push)
+      .def("finish", &FileBuilder::Finish);
   py::class_<Changing>(module, "Changing")
       .def("__enter__", [](const Changing& its) { Own(*its.tree); })
       .def("__exit__", [](const Changing& its, const py::args& /*unused*/) {

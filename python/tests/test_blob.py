@@ -217,3 +217,41 @@ def test_a_long_name(tree, tmp_path):
 def test_a_folder_that_does_not_exist(tree, tmp_path):
     with pytest.raises(FileNotFoundError, match="no/tree'$"):
         tree.save(tmp_path / "no" / "tree")
+
+
+@pytest.mark.parametrize("memory", [1, 10_000, 1 << 28])
+def test_chunks_in_runs(boxes, tmp_path, memory):
+    path = tmp_path / "tree ä.bvh"
+    chunks = (boxes[first:first + 999] for first in range(0, len(boxes), 999))
+    tree = hs.BVH.from_chunks(path, chunks, memory=memory)
+    expected = hs.BVH(boxes, quality="fast" if memory < 1 << 20 else "high")
+    assert bytes(tree.blob()) == bytes(expected.blob())
+    assert os.listdir(tmp_path) == [path.name]
+
+
+def test_chunks_that_are_none(boxes, tree, tmp_path):
+    other = np.zeros((1, 10 - boxes.shape[1]))
+    path = tmp_path / "tree"
+    tree.save(path)
+    for chunks, text in (
+        ([], "chunks: expected at least one array, got none"),
+        ([boxes, other], r"chunks\[1\]: expected boxes of shape"),
+        ([boxes, boxes * np.nan], r"chunks\[1\]"),
+    ):
+        with pytest.raises(ValueError, match=text):
+            hs.BVH.from_chunks(path, chunks)
+
+    def interrupted():
+        yield boxes
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        hs.BVH.from_chunks(path, interrupted())
+    with pytest.raises(ValueError, match="memory: expected an integer from 1"):
+        hs.BVH.from_chunks(path, [boxes], memory=0)
+    with pytest.raises(OSError, match="cannot be created"):
+        hs.BVH.from_chunks(tmp_path / "no folder" / "tree", [boxes])
+    with pytest.raises(OSError, match="cannot be written"):
+        hs.BVH.from_chunks(tmp_path, [boxes])
+    assert bytes(hs.BVH.map(path).blob()) == bytes(tree.blob())
+    assert os.listdir(tmp_path) == ["tree"]

@@ -8,6 +8,8 @@
 #if defined(__unix__) || defined(__APPLE__)
 #include <dirent.h>
 #include <pthread.h>
+#include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #define HAS_POSIX
@@ -19,9 +21,9 @@ static const hs_status kReplacesMapped = HS_IO_ERROR;
 static const hs_status kReplacesMapped = HS_OK;
 #endif
 
-enum { OBJECTS = 6000, VALUES = 6 };
+enum { OBJECTS = 6000, VALUES = 6, MOST_VALUES = 8 };
 
-static float objects[OBJECTS * VALUES];
+static float objects[OBJECTS * MOST_VALUES];
 static const char kPath[] = "c_test.bvh";
 
 // After a call that fails, nobody has the old handle.
@@ -265,6 +267,14 @@ static void test_spaces_and_umlauts(const hs_bvh* bvh) {
 static void test_paths(const hs_bvh* bvh) {
   const hs_bvh_config config = bvh_config_of(HS_BOX3);
   hs_bvh* none = NULL;
+  hs_builder* no_builder = NULL;
+  CHECK(hs_builder_create_file(&config, "c_test_none/file", 0, &no_builder) ==
+        HS_IO_ERROR);
+  CHECK(hs_builder_create_file(&config, ".", 0, &no_builder) == HS_IO_ERROR);
+  NOT_NULL(hs_builder_create_file, (NULL, "c_test", 0, &no_builder), "config");
+  NOT_NULL(hs_builder_create_file, (&config, NULL, 0, &no_builder), "path");
+  NOT_NULL(hs_builder_create_file, (&config, "c_test", 0, NULL), "builder");
+  CHECK(no_builder == NULL);
   CHECK(hs_bvh_save(bvh, "c_test_none/file") == HS_IO_ERROR);
   CHECK(strstr(hs_last_error(), "hs_bvh_save: path: \"c_test_none/file.") ==
         hs_last_error());
@@ -335,7 +345,93 @@ static void test_paths(const hs_bvh* bvh) {
   CHECK(none == NULL);
 }
 
+// The objects of each kind in batches, in runs of one object, of some and of
+// all. A builder goes on after hs_builder_finish().
+static void test_builder_in_a_file(hs_kind kind) {
+  static const size_t kMemory[] = {1, 40000, 0};
+  static const size_t kBatches[] = {2500, 0, OBJECTS - 2500};
+  const size_t values = hs_bound_values(kind);
+  hs_bvh_config config = bvh_config_of(kind);
+  hs_columns columns = hs_float_rows(objects, OBJECTS, values);
+  size_t m;
+  random_bounds(kind, OBJECTS, 0.01f, 12, objects);
+  for (m = 0; m < sizeof(kMemory) / sizeof(kMemory[0]); ++m) {
+    const void* expected = NULL;
+    const void* blob = NULL;
+    size_t expected_size = 0;
+    size_t size = 0;
+    size_t b;
+    size_t pushed = 0;
+    hs_bvh* in_memory = NULL;
+    hs_bvh* bvh = NULL;
+    hs_builder* builder = NULL;
+    config.quality = HS_QUALITY_HIGH;
+    CHECK_OK(hs_builder_create_file(&config, kPath, kMemory[m], &builder));
+    CHECK_OK(hs_builder_finish(builder, &bvh));
+    CHECK_OK(hs_bvh_size(bvh, &size));
+    CHECK(size == 0);
+    destroy(&bvh);
+    for (b = 0; b < 3; ++b) {
+      columns = hs_float_rows(objects + pushed * values, kBatches[b], values);
+      CHECK_OK(hs_builder_push(builder, &columns));
+      pushed += kBatches[b];
+    }
+    CHECK_OK(hs_builder_finish(builder, &bvh));
+    config.quality = kMemory[m] == 0 ? HS_QUALITY_HIGH : HS_QUALITY_FAST;
+    columns = hs_float_rows(objects, OBJECTS, values);
+    CHECK_OK(hs_bvh_create(&config, &columns, &in_memory));
+    CHECK_OK(hs_bvh_blob(in_memory, &expected, &expected_size));
+    CHECK_OK(hs_bvh_blob(bvh, &blob, &size));
+    CHECK(size == expected_size && memcmp(blob, expected, size) == 0);
+    destroy(&bvh);
+    destroy(&in_memory);
+    columns = hs_float_rows(objects, 1, values);
+    CHECK_OK(hs_builder_push(builder, &columns));
+    CHECK_OK(hs_builder_finish(builder, &bvh));
+    CHECK_OK(hs_bvh_size(bvh, &size));
+    CHECK(size == OBJECTS + 1);
+    destroy(&bvh);
+    hs_builder_destroy(builder);
+  }
+}
+
 #if defined(HAS_POSIX)
+static void limit_files(rlim_t bytes) {
+  struct rlimit limit;
+  CHECK(getrlimit(RLIMIT_FSIZE, &limit) == 0);
+  limit.rlim_cur = bytes < limit.rlim_max ? bytes : limit.rlim_max;
+  CHECK(setrlimit(RLIMIT_FSIZE, &limit) == 0);
+}
+
+// Neither a push nor hs_builder_finish() that fails changes the builder, or the
+// file that is replaced.
+static void test_builder_without_room(void) {
+  const hs_bvh_config config = bvh_config_of(HS_BOX3);
+  const hs_columns columns = hs_float_rows(objects, OBJECTS, VALUES);
+  const hs_columns few = hs_float_rows(objects, 100, VALUES);
+  hs_builder* builder = NULL;
+  hs_bvh* bvh = NULL;
+  void (*const before)(int) = signal(SIGXFSZ, SIG_IGN);
+  CHECK_OK(hs_builder_create_file(&config, kPath, 4096, &builder));
+  CHECK_OK(hs_builder_push(builder, &few));
+  CHECK_OK(hs_builder_finish(builder, &bvh));
+  destroy(&bvh);
+  limit_files(50000);
+  CHECK(hs_builder_push(builder, &columns) == HS_IO_ERROR);
+  CHECK(strstr(hs_last_error(),
+               "hs_builder_push: path: \"c_test.bvh\" cannot "
+               "be written: ") == hs_last_error());
+  limit_files(RLIM_INFINITY);
+  CHECK_OK(hs_builder_push(builder, &columns));
+  limit_files(150000);
+  CHECK(hs_builder_finish(builder, &bvh) == HS_IO_ERROR && bvh == NULL);
+  limit_files(RLIM_INFINITY);
+  check_count(hs_bvh_load(&config, kPath, &bvh), &bvh, 100);
+  check_count(hs_builder_finish(builder, &bvh), &bvh, 100 + OBJECTS);
+  hs_builder_destroy(builder);
+  (void)signal(SIGXFSZ, before);
+}
+
 // A thread that has been canceled ends behind the calls, not in them.
 static int has_returned = 0;
 static void* use_files(void* bvh) {
@@ -367,6 +463,7 @@ void test_files(void) {
   hs_bvh* bvh = NULL;
   const void* blob = NULL;
   size_t size = 0;
+  int i;
   random_bounds(HS_BOX3, OBJECTS, 0.01f, 12, objects);
   CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
   CHECK_OK(hs_bvh_blob(bvh, &blob, &size));
@@ -379,6 +476,11 @@ void test_files(void) {
   test_canceled(bvh);
 #endif
   destroy(&bvh);
+  for (i = 0; i < KINDS; ++i) test_builder_in_a_file(kind_of(i));
+#if defined(HAS_POSIX)
+  random_bounds(HS_BOX3, OBJECTS, 0.01f, 12, objects);
+  test_builder_without_room();
+#endif
   (void)remove(kPath);
   CHECK(count_remains() == remains);
 }

@@ -91,6 +91,35 @@ TEST_P(BvhBuildTest, IsTheSameOnEveryTargetAndInEveryMode) {
   }
 }
 
+// A build in runs, from runs of one object to one of all.
+TEST_P(BvhBuildTest, RunsMakeTheTreeOfTheCurve) {
+  constexpr std::size_t kObjects = 5000;
+  const std::size_t object_bytes = 24 + GetParam().plane_count * sizeof(float);
+  for (const Scene& scene : Scenes()) {
+    const std::vector<Planes> bounds =
+        ObjectsIn(scene, GetParam(), kObjects, 3);
+    for (const BoundList& list :
+         {Listed(bounds), InDoubles(GetParam(), bounds)}) {
+      for (BuildQuality quality : {BuildQuality::kHigh, BuildQuality::kFast}) {
+        for (std::size_t run : {std::size_t{1}, std::size_t{64},
+                                std::size_t{777}, kObjects - 1, kObjects}) {
+          const auto expected = MakeBvh(
+              GetParam(), list,
+              {.quality = run < kObjects ? BuildQuality::kFast : quality});
+          std::unique_ptr<AnyBvh> bvh;
+          RunIn(scene.is_special ? FpMode::kDefault : FpMode::kTraps, [&] {
+            bvh =
+                MakeBvh(GetParam(), list,
+                        {.quality = quality, .run_bytes = run * object_bytes});
+          });
+          EXPECT_TRUE(AreSame(*bvh, *expected))
+              << scene.name << ", runs of " << run;
+        }
+      }
+    }
+  }
+}
+
 // The node that an insertion chooses is the same on every target, also among
 // bounds that are empty, infinite or NaN, and for such a bound.
 TEST_P(BvhBuildTest, TheNearestNodeIsThatOfPlainCode) {

@@ -1,0 +1,211 @@
+// hs_builder_...(): objects in batches, in memory or in a file.
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <list>
+#include <new>
+#include <optional>
+#include <string>
+
+#include "c/bvh.h"
+#include "c/call.h"
+#include "c/columns.h"
+#include "c/files.h"
+
+using halfspace::Span;
+using halfspace::c::BvhConfig;
+using halfspace::c::Call;
+using halfspace::c::CheckColumns;
+using halfspace::c::NewFile;
+using halfspace::c::NoCancel;
+using halfspace::c::Run;
+using halfspace::c::Values;
+
+struct hs_builder {
+  explicit hs_builder(const BvhConfig& its_config)
+      : config(its_config),
+        objects(Values::OfObjects(its_config.layout)),
+        rows(halfspace::detail::BlockAllocator<float>(
+            its_config.options.memory)) {}
+  hs_builder(const BvhConfig& its_config, const Call& call,
+             const char* its_path)
+      : hs_builder(its_config) {
+    path = its_path;
+    file.emplace(call, its_path);
+  }
+
+  const BvhConfig config;
+  const Values objects;
+  std::size_t count = 0;
+  halfspace::c::FloatVector rows;
+  // The rows are in this file if there is one. To map it is no change.
+  mutable std::optional<NewFile> file;
+  std::string path;
+};
+
+namespace halfspace::c {
+namespace {
+
+constexpr std::size_t kDefaultMemory = std::size_t{1} << 28;
+
+// Blocks of more than `limit` bytes are new files next to a path.
+class FileMemory {
+ public:
+  FileMemory(const Call& call, const char* path, const MemoryResource& memory,
+             std::size_t limit)
+      : call_(call), path_(path), memory_(memory), limit_(limit) {}
+
+  MemoryResource resource() { return {&Allocate, &Deallocate, this}; }
+
+  // Replaces the path by the file of a block, if it has one. The block cannot
+  // be read afterwards.
+  bool Publish(const void* block) {
+    for (NewFile& file : files_) {
+      if (file.mapped() != block) continue;
+      file.Publish(call_);
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  static void* Allocate(void* context, std::size_t bytes, std::size_t) {
+    auto& own = *static_cast<FileMemory*>(context);
+    if (bytes <= own.limit_) return detail::AllocateBlock(own.memory_, bytes);
+    own.files_.emplace_back(own.call_, own.path_);
+    try {
+      return own.files_.back().Map(own.call_, bytes);
+    } catch (...) {
+      own.files_.pop_back();
+      throw;
+    }
+  }
+  static void Deallocate(void* context, void* block, std::size_t bytes,
+                         std::size_t) {
+    auto& own = *static_cast<FileMemory*>(context);
+    if (bytes <= own.limit_) {
+      return detail::FreeBlock(own.memory_, block, bytes);
+    }
+    own.files_.remove_if(
+        [block](const NewFile& file) { return file.mapped() == block; });
+  }
+
+  Call call_;
+  const char* path_;
+  MemoryResource memory_;
+  std::size_t limit_;
+  std::list<NewFile> files_;
+};
+
+// Appends all rows or none.
+void PushToFile(const Call& call, const hs_columns& objects,
+                hs_builder& builder) {
+  NewFile& file = *builder.file;
+  const std::fpos_t end = file.Position(call);
+  try {
+    ForEachRows(objects, builder.objects,
+                [&](const float* rows, std::size_t, std::size_t count) {
+                  file.Write(call,
+                             {reinterpret_cast<const std::byte*>(rows),
+                              count * builder.objects.count * sizeof(float)});
+                });
+  } catch (...) {
+    file.Return(end);
+    throw;
+  }
+}
+
+struct UnmapAtEnd {
+  ~UnmapAtEnd() { file.Unmap(); }
+  NewFile& file;
+};
+
+void BuildFile(const Call& call, const hs_builder& builder) {
+  const UnmapAtEnd rows{*builder.file};
+  const std::uint64_t bytes =
+      std::uint64_t{builder.count} * builder.objects.count * sizeof(float);
+  if (bytes > PTRDIFF_MAX) throw std::bad_alloc();
+  if (bytes != 0) rows.file.Map(call, static_cast<std::size_t>(bytes));
+  BvhConfig config = builder.config;
+  const char* const path = builder.path.c_str();
+  FileMemory memory(call, path, config.options.memory,
+                    config.options.run_bytes);
+  config.options.memory = memory.resource();
+  const NewBvh bvh = BuildBvh(
+      call, config,
+      detail::ColumnsOfRows(reinterpret_cast<const float*>(rows.file.mapped()),
+                            builder.count, builder.objects.count));
+  if (!memory.Publish(bvh->tree.Blob().data())) {
+    SaveBvh(call, path, config.layout, bvh->tree);
+  }
+}
+
+}  // namespace
+}  // namespace halfspace::c
+
+hs_status hs_builder_create(const hs_bvh_config* config, hs_builder** builder) {
+  return Run("hs_builder_create", [&](const Call& call) {
+    call.CheckPointer("builder", builder);
+    const BvhConfig read(call, config);
+    *builder = halfspace::c::New<hs_builder>(read.options.memory, read);
+  });
+}
+
+hs_status hs_builder_create_file(const hs_bvh_config* config, const char* path,
+                                 size_t memory, hs_builder** builder) {
+  return Run("hs_builder_create_file", [&](const Call& call) {
+    const NoCancel no_cancel;
+    call.CheckPointer("builder", builder);
+    call.CheckPointer("path", path);
+    BvhConfig read(call, config);
+    read.options.run_bytes =
+        memory != 0 ? memory : halfspace::c::kDefaultMemory;
+    *builder =
+        halfspace::c::New<hs_builder>(read.options.memory, read, call, path);
+  });
+}
+
+hs_status hs_builder_push(hs_builder* builder, const hs_columns* objects) {
+  return Run("hs_builder_push", [&](const Call& call) {
+    const NoCancel no_cancel;
+    call.CheckPointer("builder", builder);
+    CheckColumns(call, "objects", objects, builder->objects);
+    const size_t values = builder->objects.count;
+    const size_t count = builder->count + objects->count;
+    halfspace::detail::BvhTree(halfspace::c::TypeOf(builder->config.layout),
+                               builder->config.options.memory)
+        .CheckBuild(count, builder->config.options);
+    if (builder->file) {
+      halfspace::c::PushToFile(call, *objects, *builder);
+    } else {
+      builder->rows.resize(count * values);
+      halfspace::c::WriteRows(*objects, builder->objects, 0, objects->count,
+                              builder->rows.data() + builder->count * values);
+    }
+    builder->count = count;
+  });
+}
+
+hs_status hs_builder_finish(const hs_builder* builder, hs_bvh** bvh) {
+  return Run("hs_builder_finish", [&](const Call& call) {
+    const NoCancel no_cancel;
+    call.CheckPointer("builder", builder);
+    call.CheckPointer("bvh", bvh);
+    if (builder->file) {
+      halfspace::c::BuildFile(call, *builder);
+      *bvh = halfspace::c::MapBvh(call, builder->path.c_str(), builder->config)
+                 .release();
+    } else {
+      *bvh = halfspace::c::BuildBvh(call, builder->config,
+                                    halfspace::detail::ColumnsOfRows(
+                                        builder->rows.data(), builder->count,
+                                        builder->objects.count))
+                 .release();
+    }
+  });
+}
+
+void hs_builder_destroy(hs_builder* builder) {
+  if (builder == nullptr) return;
+  halfspace::c::Delete(builder->config.options.memory, builder);
+}
