@@ -105,7 +105,7 @@ Workload ReadFile(const std::string& path, const Read& read) {
   const std::uintmax_t bytes = std::filesystem::file_size(path, error);
   if (!error && available != 0 && bytes > available) {
     throw InputError(path,
-                     "the file takes " + std::to_string(bytes >> 20) + " MiB" +
+                     "the file takes " + Mebibytes(bytes) +
                          ", too much for the " + Mebibytes(available) +
                          " that are free",
                      kSmaller);

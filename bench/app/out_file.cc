@@ -12,17 +12,11 @@ namespace fs = std::filesystem;
 namespace {
 
 // Whether writing `output` replaces `other`. A pipe or a device has nothing to
-// lose. Neither may be there yet.
+// lose.
 bool WouldReplace(const fs::path& output, const fs::path& other) {
   std::error_code error;
-  const fs::file_status old = fs::status(output, error);
-  if (fs::exists(old)) {
-    return fs::is_regular_file(old) && fs::equivalent(output, other, error);
-  }
-  const auto real = [&error](const fs::path& path) {
-    return fs::weakly_canonical(fs::absolute(path, error), error);
-  };
-  return !fs::exists(other, error) && real(output) == real(other) && !error;
+  return fs::is_regular_file(output, error) &&
+         fs::equivalent(output, other, error);
 }
 
 }  // namespace

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/measure/groups.h"
 #include "bench/measure/machine.h"
 #include "bench/sections/run.h"
 
@@ -108,12 +107,10 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
         // Spread over the run.
         if (needs_verdict && pass == 0) {
           const std::size_t groups =
-              std::max<std::size_t>(1, kGroups / first_sections);
+              std::max<std::size_t>(1, run.VerdictGroups() / first_sections);
           for (std::size_t g = 0; g < groups; ++g) run.AddVerdictGroup();
         }
-        Tables& tables = all[section.name];
-        tables = section.run(run);
-        run.tables.insert(run.tables.end(), tables.begin(), tables.end());
+        const Tables& tables = all[section.name] = section.run(run);
         progress.Clear();
         if (!run.is_page()) write(tables);
       } catch (const std::bad_alloc&) {

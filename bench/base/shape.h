@@ -27,6 +27,11 @@ struct PerShape {
   T simplex{};
   T aabo{};
 
+  T& Of(ShapeKind shape) {
+    return shape == ShapeKind::kAabb      ? aabb
+           : shape == ShapeKind::kSimplex ? simplex
+                                          : aabo;
+  }
   const T& Of(ShapeKind shape) const {
     return shape == ShapeKind::kAabb      ? aabb
            : shape == ShapeKind::kSimplex ? simplex
@@ -151,9 +156,12 @@ class ShapeQueries {
 template <typename T>
 void AddSurvivors(const AaboView3& view, const Aabo3& query,
                   PerShape<T>& sums) {
-  sums.aabb += static_cast<T>(CountSurvivors(view.aabb(), query.aabb()));
-  sums.simplex += static_cast<T>(CountSurvivors(view.simplex(), query.down()));
-  sums.aabo += static_cast<T>(CountSurvivors(view, query));
+  for (ShapeKind shape : kShapes) {
+    sums.Of(shape) += static_cast<T>(
+        WithShape(shape, view, query, [](const auto& objects, const auto& of) {
+          return CountSurvivors(objects, of);
+        }));
+  }
 }
 
 }  // namespace halfspace::bench

@@ -3,7 +3,7 @@
 #include <boost/geometry/geometries/point.hpp>
 #include <boost/geometry/index/rtree.hpp>
 #include <boost/geometry/strategies/cartesian/distance_pythagoras_point_box.hpp>
-#include <iterator>
+#include <boost/iterator/function_output_iterator.hpp>
 #include <utility>
 
 #include "bench/baselines/box_tree.h"
@@ -29,33 +29,9 @@ BoostBox<kDims> BoostBoxOf(const Aabb<kDims>& box) {
   return {BoostPointOf(box.min), BoostPointOf(box.max)};
 }
 
-// An output iterator: takes what a query finds.
-template <typename Take>
-class Taker {
- public:
-  using iterator_category = std::output_iterator_tag;
-  using value_type = void;
-  using difference_type = std::ptrdiff_t;
-  using pointer = void;
-  using reference = void;
-
-  explicit Taker(const Take& take) : take_(take) {}
-
-  template <typename Found>
-  Taker& operator=(const Found& found) {
-    take_(found);
-    return *this;
-  }
-  Taker& operator*() { return *this; }
-  Taker& operator++() { return *this; }
-  Taker operator++(int) { return *this; }
-
- private:
-  Take take_;
-};
-
 auto IndexTaker(std::vector<std::uint32_t>& found) {
-  return Taker([&found](const auto& entry) { found.push_back(entry.second); });
+  return boost::make_function_output_iterator(
+      [&found](const auto& entry) { found.push_back(entry.second); });
 }
 
 // Packed from all boxes at once.
@@ -82,8 +58,9 @@ class BoostTree : public BoxTree<kDims> {
 
   bool CanCount() const override { return true; }
   std::size_t Count(const Aabb<kDims>& query) const override {
-    return tree_.query(bgi::intersects(BoostBoxOf(query)),
-                       Taker([](const auto& /*entry*/) {}));
+    return tree_.query(
+        bgi::intersects(BoostBoxOf(query)),
+        boost::make_function_output_iterator([](const auto& /*entry*/) {}));
   }
 
  private:

@@ -60,9 +60,8 @@ Tables RunAxes(Run& run) {
               "a regular simplex",
               {Key("world"), Key("axes"), Key("shape"),
                Value("survivors", "", 0), Value("over AABB")}};
-  AddRows(run, "balls", BallPoints(seed), table);
+  AddRows(run, "balls", ScenePoints(seed), table);
   AddRows(run, "boxes", BoxPoints(seed), table);
-  AddRows(run, "mixed", MixedPoints(seed), table);
   return {table};
 }
 

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/inner/target_loops.h"
 #include "bench/paper/loops.h"
 #include "bench/sections/contest.h"
 #include "bench/sections/verdict.h"
@@ -25,28 +24,6 @@ std::vector<std::size_t> WidthsFrom(std::size_t lanes) {
     widths.push_back(w);
   }
   return widths;
-}
-
-// At which widths each shape leads by more than the range of the ratios.
-std::string LeadersText(const std::vector<std::size_t>& widths,
-                        const std::vector<Ratio>& box_over_simplex) {
-  const auto where = [&](Winner winner) {
-    std::string text;
-    for (std::size_t i = 0; i < widths.size(); ++i) {
-      if (WinnerOf(box_over_simplex[i]) != winner) continue;
-      std::size_t last = i;
-      while (last + 1 < widths.size() &&
-             WinnerOf(box_over_simplex[last + 1]) == winner) {
-        ++last;
-      }
-      text += (text.empty() ? "" : ", ") + std::to_string(widths[i]);
-      if (last != i) text += " to " + std::to_string(widths[last]);
-      i = last;
-    }
-    return text.empty() ? "no w" : "w = " + text;
-  };
-  return "the box is faster at " + where(Winner::kBox) + "; the simplex at " +
-         where(Winner::kSimplex);
 }
 
 // The same stages in groups of 16 with branches and with lists, and flat, by
@@ -91,10 +68,8 @@ Tables BranchTables(Run& run) {
         SceneOfSize(percent / 100.0, size.objects, run.options.seed);
     WorkingSet set(scene, size);
     for (Target target : run.TargetsIn(set.name())) {
-      // With the library's vectors.
-      const StagedScan staged =
-          PaperLoopsFor(target).StagedOf(LoopsFor(target).one_query_lanes());
-      if (target.lanes() < 4 || staged == nullptr) continue;
+      if (target.lanes() < 4) continue;
+      const StagedScan staged = PaperLoopsFor(target).staged;
       Contest ns(run, "gate");
       for (ShapeKind shape : kCompared) {
         for (const auto& each : kWays) {
@@ -164,30 +139,25 @@ Tables RunGate(Run& run) {
                Value("simplex", "ns", 3), Value("AABO", "ns", 3),
                Higher("box / simplex")}};
   table.chart = Chart{"w", {"box / simplex"}, "target", true, true};
-  std::vector<std::string> notes;
   std::vector<Target> targets = run.targets;
   std::reverse(targets.begin(), targets.end());
   for (Target target : targets) {
-    const std::vector<std::size_t> widths = WidthsFrom(target.lanes());
-    std::vector<Ratio> ratios;
-    for (std::size_t w : widths) {
+    for (std::size_t w : WidthsFrom(target.lanes())) {
       Contest ns(run, "gate");
       for (ShapeKind shape : kShapes) {
         ns.Add({NameOf(target), w, NameOf(shape)},
                GatedCase(set, shape, target, w));
       }
       ns.Time();
-      ratios.push_back(RangeOf(RatiosOf(ns.timing(0), ns.timing(1))));
       table.Add({NameOf(target), w, ns.timing(0).Median(),
-                 ns.timing(1).Median(), ns.timing(2).Median(), ratios.back()});
+                 ns.timing(1).Median(), ns.timing(2).Median(),
+                 Marked(RangeOf(RatiosOf(ns.timing(0), ns.timing(1))))});
     }
-    notes.push_back(NameOf(target) + ": " + LeadersText(widths, ratios) + ".");
   }
-  notes.push_back(
-      "At other w the range of the ratio has 1. The paper, on another machine: "
-      "2.31 ns (box) and 3.28 ns (simplex) at w = 1, and one crossing, at w of "
-      "about 8.");
-  table.notes = notes;
+  table.notes = {
+      "*: the simplex is faster. =: no difference. [ ]: range of the "
+      "repetitions. The paper, on another machine: 2.31 ns (box) and 3.28 ns "
+      "(simplex) at w = 1, and one crossing, at w of about 8."};
   Tables tables = BranchTables(run);
   tables.insert(tables.begin(), std::move(table));
   return tables;

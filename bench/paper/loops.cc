@@ -21,8 +21,7 @@ template <>
 PaperLoops PaperLoopsOf<HWY_TARGET>() {
   return {.gated = &HWY_NAMESPACE::ScanGated,
           .spheres = &HWY_NAMESPACE::ScanSpheres,
-          .staged = {HWY_NAMESPACE::StagedOf<kWidths[0]>(),
-                     HWY_NAMESPACE::StagedOf<kWidths[1]>()}};
+          .staged = &HWY_NAMESPACE::ScanStaged};
 }
 
 }  // namespace halfspace::bench

@@ -6,7 +6,6 @@
 #ifndef HALFSPACE_BENCH_PAPER_LOOPS_H_
 #define HALFSPACE_BENCH_PAPER_LOOPS_H_
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -73,7 +72,8 @@ constexpr const char* NameOf(Way way) {
   return kNames[static_cast<std::size_t>(way)];
 }
 
-// Of a box or a simplex. `planes_of_stage` is 1 or 2. Writes the reject mask.
+// Of a box or a simplex, with the vectors that the library uses for one query.
+// `planes_of_stage` is 1 or 2. Writes the reject mask.
 using StagedScan = void (*)(ShapeKind shape, Way way,
                             std::size_t planes_of_stage,
                             const float* const* planes, const float* query,
@@ -84,20 +84,10 @@ using StagedScan = void (*)(ShapeKind shape, Way way,
 using SphereScan = void (*)(const float* const* planes, const float* query,
                             std::size_t size, std::uint64_t* mask);
 
-// Of the vectors that the library uses for one query.
-inline constexpr std::array<std::size_t, 2> kWidths = {4, 8};
-
 struct PaperLoops {
   GatedScan gated = nullptr;
   SphereScan spheres = nullptr;
-  // With vectors of kWidths lanes. Null if the target's vectors are shorter, or
-  // if their length is not known.
-  std::array<StagedScan, kWidths.size()> staged = {};
-
-  StagedScan StagedOf(std::size_t lanes) const {
-    const auto* at = std::find(kWidths.begin(), kWidths.end(), lanes);
-    return at == kWidths.end() ? nullptr : staged[at - kWidths.begin()];
-  }
+  StagedScan staged = nullptr;
 };
 
 // Of a supported target.

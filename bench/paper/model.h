@@ -7,7 +7,6 @@
 //   E[C]    half-spaces that are evaluated per object: the sum of Pr[S_k], the
 //           share of batches that reach half-space k
 //   Adv(w)  ns that the simplex saves per object, with the exact tests
-//   w*      the smallest w from which on it is positive
 #ifndef HALFSPACE_BENCH_PAPER_MODEL_H_
 #define HALFSPACE_BENCH_PAPER_MODEL_H_
 
@@ -15,7 +14,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -48,18 +46,6 @@ inline double HalfSpacesByFormula(std::span<const double> reached, double w) {
   double sum = 0.0;
   for (double share : reached) sum += 1.0 - std::pow(1.0 - share, w);
   return sum;
-}
-
-// w*: from this width on, `advantage(w)` is positive up to `most`. Nothing if
-// it is not positive at `most`.
-template <typename AdvantageOf>
-std::optional<std::size_t> WidthFrom(std::size_t most, AdvantageOf advantage) {
-  std::optional<std::size_t> from;
-  for (std::size_t w = most; w > 0 && advantage(static_cast<double>(w)) > 0.0;
-       --w) {
-    from = w;
-  }
-  return from;
 }
 
 // ns of the exact test from which on the box wins: the simplex saves `saved` ns

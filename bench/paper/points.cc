@@ -14,46 +14,6 @@
 namespace halfspace::bench {
 namespace {
 
-// Balls and boxes from one sequence of random numbers.
-class Shapes {
- public:
-  explicit Shapes(std::uint64_t seed) : random_(seed) {}
-
-  std::span<const float> Ball() {
-    constexpr std::size_t kPoints = 50;
-    Begin();
-    for (std::size_t i = 0; i < kPoints; ++i) {
-      const std::array<float, 3> point = PointInUnitSphere(random_);
-      for (std::size_t k = 0; k < 3; ++k) Push(k, point[k]);
-    }
-    return points_;
-  }
-
-  std::span<const float> Box() {
-    constexpr float kHalfOfLongest = 1.75f;
-    Begin();
-    std::array<float, 3> half;
-    for (float& x : half) x = kHalfOfLongest * (random_.Signed() + 1) / 2;
-    for (std::size_t c = 0; c < 8; ++c) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        Push(k, (c >> k & 1) == 0 ? -half[k] : half[k]);
-      }
-    }
-    return points_;
-  }
-
- private:
-  void Begin() {
-    points_.clear();
-    for (float& x : center_) x = kHalfCube * random_.Signed();
-  }
-  void Push(std::size_t axis, float x) { points_.push_back(center_[axis] + x); }
-
-  Random random_;
-  std::array<float, 3> center_{};
-  std::vector<float> points_;
-};
-
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr double kMostFloat = std::numeric_limits<float>::max();
 
@@ -71,18 +31,17 @@ NextPoints ScenePoints(std::uint64_t seed) {
   };
 }
 
-NextPoints BallPoints(std::uint64_t seed) {
-  return [shapes = std::make_shared<Shapes>(seed)] { return shapes->Ball(); };
-}
-
 NextPoints BoxPoints(std::uint64_t seed) {
-  return [shapes = std::make_shared<Shapes>(seed)] { return shapes->Box(); };
-}
-
-NextPoints MixedPoints(std::uint64_t seed) {
-  return [shapes = std::make_shared<Shapes>(seed), is_ball = false]() mutable {
-    is_ball = !is_ball;
-    return is_ball ? shapes->Ball() : shapes->Box();
+  return [random = Random(seed), points = std::vector<float>(8 * 3)]() mutable {
+    constexpr float kHalfOfLongest = 1.75f;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float center = kHalfCube * random.Signed();
+      const float half = kHalfOfLongest * (random.Signed() + 1) / 2;
+      for (std::size_t c = 0; c < 8; ++c) {
+        points[3 * c + k] = center + ((c >> k & 1) == 0 ? -half : half);
+      }
+    }
+    return std::span<const float>(points);
   };
 }
 

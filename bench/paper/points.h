@@ -18,14 +18,9 @@ using NextPoints = std::function<std::span<const float>()>;
 // Those of MakeScene(..., seed): objects, then queries.
 NextPoints ScenePoints(std::uint64_t seed);
 
-// With centers uniform in [-50, 50]^3:
-//   balls  50 points uniform in a ball of radius 1, anew for each object
-//   boxes  the corners of a box with sides uniform in (0, 3.5): on average, a
-//          box around a ball has sides as long
-//   mixed  these two in turn
-NextPoints BallPoints(std::uint64_t seed);
+// The corners of boxes with sides uniform in (0, 3.5): on average, a box around
+// an object of the scene has sides as long. Centers uniform in [-50, 50]^3.
 NextPoints BoxPoints(std::uint64_t seed);
-NextPoints MixedPoints(std::uint64_t seed);
 
 // An octahedron around points whose axes are (1, 1, 1), (1, -1, -1),
 // (-1, 1, -1) and (-1, -1, 1): four normals of a regular tetrahedron, which sum

@@ -5,32 +5,6 @@ HWY_BEFORE_NAMESPACE();
 namespace halfspace {
 namespace HWY_NAMESPACE {
 
-// As KeptBits, with vectors of any width. With AVX-512 the kernels have no
-// verdicts on 128 bits.
-template <size_t kMins, size_t kObjects, class D, class... V>
-HWY_INLINE uint64_t BitsOfWidth(D d, const float* const* planes, size_t i,
-                                V... query) {
-#if HALFSPACE_MASKED_COMPARES
-  if constexpr (hn::MaxLanes(D()) < 8) {
-    uint64_t bits = 0;
-    for (size_t l = 0; l < kObjects; l += hn::MaxLanes(D())) {
-      hn::Mask<D> rejected = hn::MaskFromVec(hn::Zero(d));
-      size_t k = 0;
-      const auto test = [&](hn::Vec<D> value) HWY_ATTR {
-        const auto object = hn::LoadU(d, planes[k] + i + l);
-        rejected = hn::Or(rejected, k < kMins ? hn::Gt(object, value)
-                                              : hn::Lt(object, value));
-        ++k;
-      };
-      (test(query), ...);
-      bits |= LaneBits(d, rejected) << l;
-    }
-    return bits ^ kLowBits<kObjects>;
-  } else  // NOLINT(readability-misleading-indentation)
-#endif
-    return KeptBits<kMins, kObjects>(d, LoadAll(), planes, i, query...);
-}
-
 // A bit for each of the objects i ... i + kObjects - 1: whether it survives the
 // planes kFirst, kFirst + 1, ... of an order. The minima among them come first.
 template <const auto& kOrder, size_t kFirst, size_t kObjects, size_t... kPlane,
@@ -42,8 +16,8 @@ HWY_INLINE uint64_t StageBits(std::index_sequence<kPlane...>, D d,
       planes[bench::kPlaneOf<kOrder, kFirst + kPlane>.object]...};
   constexpr size_t kMins =
       (... + (bench::kPlaneOf<kOrder, kFirst + kPlane>.is_min ? 1 : 0));
-  return BitsOfWidth<kMins, kObjects>(
-      d, tested, i,
+  return KeptBits<kMins, kObjects>(
+      d, LoadAll(), tested, i,
       hn::Set(d, query[bench::kPlaneOf<kOrder, kFirst + kPlane>.query])...);
 }
 
@@ -192,11 +166,10 @@ void ScanShape(D d, bench::Way way, size_t planes_of_stage,
   }
 }
 
-template <size_t kLanes>
 void ScanStaged(bench::ShapeKind shape, bench::Way way, size_t planes_of_stage,
                 const float* const* planes, const float* query, size_t size,
                 uint64_t* mask) {
-  const hn::CappedTag<float, kLanes> d;
+  const OneTag<float> d;
   if (shape == bench::ShapeKind::kSimplex) {
     ScanShape<bench::kSimplexOrder, bench::kSimplexOrder, 4>(
         d, way, planes_of_stage, planes, query, size, mask);
@@ -204,18 +177,6 @@ void ScanStaged(bench::ShapeKind shape, bench::Way way, size_t planes_of_stage,
     ScanShape<bench::kAabbOrder, bench::kFlatAabbOrder, 6>(
         d, way, planes_of_stage, planes, query, size, mask);
   }
-}
-
-template <size_t kLanes>
-bench::StagedScan StagedOf() {
-#if !HWY_HAVE_SCALABLE
-  // One lane of a wide target is code that nobody runs.
-  constexpr size_t kMost = hn::MaxLanes(hn::ScalableTag<float>());
-  if constexpr (kLanes <= kMost && (kLanes > 1 || kMost == 1)) {
-    return &ScanStaged<kLanes>;
-  }
-#endif
-  return nullptr;
 }
 
 // ---- Spheres.

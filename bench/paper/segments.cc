@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/base/text.h"
@@ -31,10 +32,8 @@ const std::array<NamedDirection, 3> kDirections = {
      {"(1,1,1)",
       {std::sqrt(1.0 / 3.0), std::sqrt(1.0 / 3.0), std::sqrt(1.0 / 3.0)}},
      {"(1,-1,0)", {std::sqrt(0.5), -std::sqrt(0.5), 0.0}}}};
-constexpr std::array<double, 3> kLengths = {0.1, 0.3, 1.0};
-constexpr std::array<std::size_t, 6> kPieces = {1, 2, 4, 8, 16, 32};
-// So many that they are all but the segment itself.
-constexpr std::size_t kManyPieces = 1024;
+// The last are so many that they are all but the segment itself.
+constexpr std::array<std::size_t, 7> kPieces = {1, 2, 4, 8, 16, 32, 1024};
 
 // A segment of that length, its middle uniform in the box.
 Segment3 MakeSegment(const Direction& direction, double length,
@@ -83,18 +82,6 @@ double CountOf(const std::vector<std::uint64_t>& mask) {
   return sum;
 }
 
-// What nothing that knows only the objects' octahedra can reject. Whatever many
-// pieces keep, a few keep too.
-double CountFloor(const AaboWorld3& world, const Segment3& segment) {
-  const auto few =
-      KeptBy(ShapeKind::kAabo, world.view(), segment, kPieces.back());
-  AaboWorld3 kept;
-  for (std::size_t i = 0; i < world.size(); ++i) {
-    if ((few[i / 64] >> i % 64 & 1) != 0) kept.Push(world.Get(i));
-  }
-  return CountOf(KeptBy(ShapeKind::kAabo, kept.view(), segment, kManyPieces));
-}
-
 }  // namespace
 
 Tables RunSegments(Run& run) {
@@ -108,46 +95,37 @@ Tables RunSegments(Run& run) {
     side = std::max(side, double{box.max[k]} - double{box.min[k]});
   }
   Random random(run.options.seed);
-  Table table{"segments",
-              "objects that a segment keeps, bounded in pieces (means)",
-              {Key("direction"), Key("length", "%"), Key("pieces"),
-               Value("AABB", "", 1), Value("simplex", "", 1),
-               Value("AABO", "", 1), Value("1024 pieces", "", 1)}};
+  Table table{
+      "segments",
+      "objects that a segment keeps, bounded in pieces (means)",
+      {Key("direction"), Key("length", "%"), Key("pieces"),
+       Value("AABB", "", 1), Value("simplex", "", 1), Value("AABO", "", 1)}};
   table.chart = Chart{"pieces", {"AABO"}, "direction", true, true};
   double done = 0.0;
   for (const NamedDirection& direction : kDirections) {
-    for (double length : kLengths) {
-      std::array<PerShape<double>, kPieces.size()> means;
-      double floor = 0.0;
-      for (std::size_t i = 0; i < segments; ++i) {
-        const Segment3 segment =
-            MakeSegment(direction.along, length * side, box, random);
-        const auto mean_of = [segments](double count) {
-          return count / static_cast<double>(segments);
-        };
-        floor += mean_of(CountFloor(world, segment));
-        for (std::size_t p = 0; p < kPieces.size(); ++p) {
-          const auto kept = [&](ShapeKind shape) {
-            return mean_of(
-                CountOf(KeptBy(shape, world.view(), segment, kPieces[p])));
-          };
-          means[p].aabb += kept(ShapeKind::kAabb);
-          means[p].simplex += kept(ShapeKind::kSimplex);
-          means[p].aabo += kept(ShapeKind::kAabo);
+    std::array<PerShape<double>, kPieces.size()> sums;
+    for (std::size_t i = 0; i < segments; ++i) {
+      const Segment3 segment = MakeSegment(direction.along, side, box, random);
+      for (std::size_t p = 0; p < kPieces.size(); ++p) {
+        for (ShapeKind shape : kShapes) {
+          sums[p].Of(shape) +=
+              CountOf(KeptBy(shape, world.view(), segment, kPieces[p]));
         }
       }
-      for (std::size_t p = 0; p < kPieces.size(); ++p) {
-        table.Add({direction.name, 100.0 * length, kPieces[p], means[p].aabb,
-                   means[p].simplex, means[p].aabo, floor});
-      }
-      run.progress.Update(
-          ++done / static_cast<double>(kDirections.size() * kLengths.size()));
     }
+    for (std::size_t p = 0; p < kPieces.size(); ++p) {
+      Row row = {direction.name, 100.0, kPieces[p]};
+      for (ShapeKind shape : kShapes) {
+        row.emplace_back(sums[p].Of(shape) / static_cast<double>(segments));
+      }
+      table.Add(std::move(row));
+    }
+    run.progress.Update(++done / static_cast<double>(kDirections.size()));
   }
   table.notes = {Grouped(world.size()) + " objects, " +
                  std::to_string(segments) +
-                 " segments of each direction and length, in % of the world's "
-                 "longest side."};
+                 " segments of each direction, as long as the world's longest "
+                 "side."};
   return {table};
 }
 

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <numeric>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/base/text.h"
@@ -99,13 +101,12 @@ Table OrdersTable(const Workload& workload) {
     for (const Aabo3& query : workload.queries) {
       counter.Add(query);
       SurvivorMask(sorted.view().aabb(), query.aabb(), mask);
-      left += BatchesWithSurvivor(mask);
+      left += BatchesLeft(mask, kBatch);
     }
     const WorkCount work = counter.Average();
-    const auto at = static_cast<std::size_t>(
-        std::find(kWorkWidths.begin(), kWorkWidths.end(), kBatch) -
-        kWorkWidths.begin());
-    table.Add({order.name, work.aabb[at], work.simplex[at], work.aabo[at],
+    constexpr std::size_t kAt = 3;
+    static_assert(kWorkWidths[kAt] == kBatch);
+    table.Add({order.name, work.aabb[kAt], work.simplex[kAt], work.aabo[kAt],
                100.0 * static_cast<double>(left) /
                    static_cast<double>(mask.size() * workload.queries.size())});
   }
@@ -121,36 +122,36 @@ Table OrdersTable(const Workload& workload) {
 
 Tables RunTable1(Run& run) {
   const Workload& scene = run.Scene();
-  const AaboView3 view = scene.objects.view();
-  WorkCounter counter(view);
-  PerShape<std::size_t> survivors;
+  WorkCounter counter(scene.objects.view());
   double done = 0.0;
   for (const Aabo3& query : scene.queries) {
     counter.Add(query);
-    AddSurvivors(view, query, survivors);
     run.progress.Update(++done / static_cast<double>(scene.queries.size()));
   }
   const WorkCount work = counter.Average();
   Table table{"table1",
               "half-spaces evaluated per object in batches of w, counted",
               {Key("w")}};
+  std::string survivors;
   for (ShapeKind shape : kShapes) {
     table.columns.push_back(Value(NameOf(shape)));
     table.columns.push_back(Value("paper"));
+    survivors += std::string(NameOf(shape)) + " " +
+                 Grouped(counter.survivors().Of(shape)) + " (paper " +
+                 Grouped(kPaperSurvivors.Of(shape)) + "), ";
   }
   for (std::size_t i = 0; i < kWorkWidths.size(); ++i) {
-    table.Add({kWorkWidths[i], work.aabb[i], kPaperWork.aabb[i],
-               work.simplex[i], kPaperWork.simplex[i], work.aabo[i],
-               kPaperWork.aabo[i]});
+    Row row = {kWorkWidths[i]};
+    for (ShapeKind shape : kShapes) {
+      row.emplace_back(work.Of(shape)[i]);
+      row.emplace_back(kPaperWork.Of(shape)[i]);
+    }
+    table.Add(std::move(row));
   }
-  const auto count = [](std::size_t of) { return Grouped(of); };
-  table.notes.push_back(
-      count(scene.objects.size()) + " objects, " + count(scene.queries.size()) +
-      " queries. Survivors: AABB " + count(survivors.aabb) + " (paper " +
-      count(kPaperSurvivors.aabb) + "), simplex " + count(survivors.simplex) +
-      " (" + count(kPaperSurvivors.simplex) + "), AABO " +
-      count(survivors.aabo) + " (" + count(kPaperSurvivors.aabo) +
-      "), another seed in the paper.");
+  table.notes.push_back(Grouped(scene.objects.size()) + " objects, " +
+                        Grouped(scene.queries.size()) +
+                        " queries. Survivors: " + survivors +
+                        "another seed in the paper.");
   return {table, OrdersTable(run.Measured())};
 }
 

@@ -39,21 +39,16 @@ Table VolumesTable(Run& run) {
                Value("bytes", "", 0), Value("time", "ns", 4),
                Lower("over simplex"), Value("survivors / AABB")}};
   std::array<double, kVolumes> survivors{};
-  {
-    VolumeSet set(ScenePoints(seed), (ObjectsOf(run) + 63) / 64 * 64,
-                  kTimedQueries);
-    for (std::size_t v = 0; v < kVolumes; ++v) {
-      survivors[v] = static_cast<double>(
-          set.Survivors(static_cast<Volume>(v),
-                        std::max<std::size_t>(1, kCountedPairs / set.size())));
-    }
-  }
   const auto over_aabb = [&survivors](Volume volume) {
     return survivors[static_cast<std::size_t>(volume)] /
            std::max(survivors[static_cast<std::size_t>(Volume::kAabb)], 1.0);
   };
   for (const WorkingSetSize& size : run.Reached({"L2", "memory"})) {
     VolumeSet set(ScenePoints(seed), size.objects, kTimedQueries);
+    for (std::size_t v = 0; v < kVolumes && size.name == "L2"; ++v) {
+      survivors[v] = static_cast<double>(
+          set.Survivors(static_cast<Volume>(v), kCountedPairs / size.objects));
+    }
     for (Target target : run.TargetsIn(size.name)) {
       Contest ns(run, "volumes");
       for (const VolumeTest& test : kVolumeTests) {
@@ -219,7 +214,7 @@ Tables RunDual(Run& run) {
     for (std::size_t q = 0; q < counted; ++q) {
       SurvivorMask(set->view().simplex(), content.timed_queries[q].down(),
                    set->mask());
-      batches += BatchesWithSurvivor(set->mask());
+      batches += BatchesLeft(set->mask(), 64);
     }
     for (Target target : run.TargetsIn(set->name())) {
       Contest ns(run, "dual");

@@ -1,7 +1,7 @@
 #include "bench/paper/work_count.h"
 
+#include <algorithm>
 #include <bit>
-#include <span>
 
 #include "bench/paper/loops.h"
 
@@ -9,10 +9,6 @@ namespace halfspace::bench {
 namespace {
 
 constexpr std::size_t kWordObjects = 64;
-
-// The first widths are parts of a word; of the others, in words.
-constexpr std::size_t kNarrowWidths = 4;
-constexpr std::array<std::size_t, 3> kWideWords = {4, 16, 64};
 
 std::span<const Plane> OrderOf(ShapeKind shape) {
   switch (shape) {
@@ -37,45 +33,53 @@ std::uint64_t RejectedBy(const float* plane, float value) {
   return bits;
 }
 
-std::uint64_t CountBits(std::uint64_t bits) {
-  return static_cast<std::uint64_t>(std::popcount(bits));
-}
-
 }  // namespace
 
+std::size_t BatchesLeft(std::span<const std::uint64_t> kept,
+                        std::size_t width) {
+  const std::size_t words = std::max<std::size_t>(1, width / kWordObjects);
+  // The first bit of each batch of less than a word.
+  const std::uint64_t firsts =
+      width < kWordObjects
+          ? ~std::uint64_t{0} / ((std::uint64_t{1} << width) - 1)
+          : 1;
+  std::size_t batches = 0;
+  for (std::size_t w = 0; w < kept.size(); w += words) {
+    std::uint64_t any = 0;
+    for (std::uint64_t word :
+         kept.subspan(w, std::min(words, kept.size() - w))) {
+      any |= word;
+    }
+    // Bit i says whether one of the objects from i on is left.
+    for (std::size_t shift = 1; shift < std::min(width, kWordObjects);
+         shift *= 2) {
+      any |= any >> shift;
+    }
+    batches += static_cast<std::size_t>(std::popcount(any & firsts));
+  }
+  return batches;
+}
+
 void WorkCounter::Add(const Aabo3& query) {
-  const std::size_t words = objects_.size / kWordObjects;
-  for (std::size_t s = 0; s < kShapes.size(); ++s) {
-    const std::span<const Plane> order = OrderOf(kShapes[s]);
-    const std::vector<const float*> planes = PlanesOf(kShapes[s], objects_);
-    const std::vector<float> values = QueryOf(kShapes[s], query);
-    // Per half-space and wide width: whether the batch reaches it.
-    std::array<std::array<bool, kWideWords.size()>, 8> is_reached{};
-    for (std::size_t w = 0; w < words; ++w) {
-      std::uint64_t kept = ~std::uint64_t{0};
-      for (std::size_t k = 0; k < order.size() && kept != 0; ++k) {
-        // Bit i of `any` says whether one of 8 objects from i on is left.
-        std::uint64_t any = kept;
-        for (int shift : {1, 2, 4}) any |= any >> shift;
-        ByWidth& reached = reached_[s][k];
-        reached[0] += CountBits(kept);
-        reached[1] += CountBits(any & 0x0101010101010101);
-        reached[2] += CountBits((any | any >> 8) & 0x0001000100010001);
-        reached[3] += 1;
-        is_reached[k].fill(true);
-        const float* plane = planes[order[k].object] + w * kWordObjects;
-        const float value = values[order[k].query];
-        kept &= ~(order[k].is_min ? RejectedBy<true>(plane, value)
-                                  : RejectedBy<false>(plane, value));
+  std::vector<std::uint64_t> kept(objects_.size / kWordObjects);
+  for (ShapeKind shape : kShapes) {
+    const std::span<const Plane> order = OrderOf(shape);
+    const std::vector<const float*> planes = PlanesOf(shape, objects_);
+    const std::vector<float> values = QueryOf(shape, query);
+    std::fill(kept.begin(), kept.end(), ~std::uint64_t{0});
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      for (std::size_t i = 0; i < kWorkWidths.size(); ++i) {
+        reached_.Of(shape)[k][i] += BatchesLeft(kept, kWorkWidths[i]);
       }
-      for (std::size_t b = 0; b < kWideWords.size(); ++b) {
-        if ((w + 1) % kWideWords[b] != 0 && w + 1 != words) continue;
-        for (std::size_t k = 0; k < order.size(); ++k) {
-          reached_[s][k][kNarrowWidths + b] += is_reached[k][b] ? 1 : 0;
-          is_reached[k][b] = false;
-        }
+      const float value = values[order[k].query];
+      for (std::size_t w = 0; w < kept.size(); ++w) {
+        if (kept[w] == 0) continue;
+        const float* plane = planes[order[k].object] + w * kWordObjects;
+        kept[w] &= ~(order[k].is_min ? RejectedBy<true>(plane, value)
+                                     : RejectedBy<false>(plane, value));
       }
     }
+    survivors_.Of(shape) += BatchesLeft(kept, 1);
   }
   ++queries_;
 }
@@ -83,20 +87,16 @@ void WorkCounter::Add(const Aabo3& query) {
 WorkCount WorkCounter::Average() const {
   WorkCount average;
   const std::size_t objects = objects_.size / kWordObjects * kWordObjects;
-  for (std::size_t i = 0; i < kWorkWidths.size(); ++i) {
-    const std::size_t batches =
-        (objects + kWorkWidths[i] - 1) / kWorkWidths[i] * queries_;
-    if (batches == 0) continue;
-    const auto average_of = [&](ShapeKind shape) {
-      std::uint64_t evaluated = 0;
-      for (const ByWidth& reached : reached_[static_cast<std::size_t>(shape)]) {
-        evaluated += reached[i];
-      }
-      return static_cast<double>(evaluated) / static_cast<double>(batches);
-    };
-    average.aabb[i] = average_of(ShapeKind::kAabb);
-    average.simplex[i] = average_of(ShapeKind::kSimplex);
-    average.aabo[i] = average_of(ShapeKind::kAabo);
+  for (ShapeKind shape : kShapes) {
+    for (std::size_t i = 0; i < kWorkWidths.size(); ++i) {
+      const std::size_t batches =
+          (objects + kWorkWidths[i] - 1) / kWorkWidths[i] * queries_;
+      if (batches == 0) continue;
+      std::size_t evaluated = 0;
+      for (const ByWidth& reached : reached_.Of(shape)) evaluated += reached[i];
+      average.Of(shape)[i] =
+          static_cast<double>(evaluated) / static_cast<double>(batches);
+    }
   }
   return average;
 }
@@ -106,9 +106,7 @@ std::vector<double> WorkCounter::Reached(ShapeKind shape) const {
   const auto pairs = static_cast<double>(tested * queries_);
   std::vector<double> shares;
   for (std::size_t k = 0; k < PlaneCountOf(shape); ++k) {
-    shares.push_back(
-        static_cast<double>(reached_[static_cast<std::size_t>(shape)][k][0]) /
-        pairs);
+    shares.push_back(static_cast<double>(reached_.Of(shape)[k][0]) / pairs);
   }
   return shares;
 }

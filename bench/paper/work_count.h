@@ -4,7 +4,6 @@
 #ifndef HALFSPACE_BENCH_PAPER_WORK_COUNT_H_
 #define HALFSPACE_BENCH_PAPER_WORK_COUNT_H_
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -24,6 +23,10 @@ inline constexpr std::array<std::size_t, 7> kWorkWidths = {1,   8,    16,  64,
 // evaluated in the order of loops.h.
 using WorkCount = PerShape<std::array<double, kWorkWidths.size()>>;
 
+// The batches of `width` objects, a power of two, that have a bit of a mask.
+// The last one may be short.
+std::size_t BatchesLeft(std::span<const std::uint64_t> kept, std::size_t width);
+
 // Adds up the batches in which each half-space was evaluated. Objects past the
 // last full word of 64 are left out.
 class WorkCounter {
@@ -33,6 +36,9 @@ class WorkCounter {
   void Add(const Aabo3& query);
   WorkCount Average() const;
 
+  // Of all queries.
+  const PerShape<std::size_t>& survivors() const { return survivors_; }
+
   // Of each half-space of a shape, the share of objects that the ones before it
   // leave: Pr[S_k] at w = 1.
   std::vector<double> Reached(ShapeKind shape) const;
@@ -40,11 +46,12 @@ class WorkCounter {
  private:
   // Batches that reach a half-space: per shape, per half-space in the order of
   // evaluation, per width.
-  using ByWidth = std::array<std::uint64_t, kWorkWidths.size()>;
+  using ByWidth = std::array<std::size_t, kWorkWidths.size()>;
 
   AaboView3 objects_;
   std::size_t queries_ = 0;
-  std::array<std::array<ByWidth, 8>, kShapes.size()> reached_{};
+  PerShape<std::array<ByWidth, 8>> reached_;
+  PerShape<std::size_t> survivors_;
 };
 
 // Table 1 of "The Bounding Simplex: A SIMD-Era Rejection Primitive".
@@ -55,12 +62,6 @@ inline constexpr WorkCount kPaperWork = {
 
 inline constexpr PerShape<std::size_t> kPaperSurvivors = {21'814, 47'559,
                                                           20'039};
-
-// The batches of 64 objects that have a survivor.
-inline std::size_t BatchesWithSurvivor(std::span<const std::uint64_t> mask) {
-  return mask.size() -
-         static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 0u));
-}
 
 }  // namespace halfspace::bench
 

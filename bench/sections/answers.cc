@@ -150,17 +150,15 @@ void AddAnswer(Table& table, const std::string& question,
   }
 }
 
-// The best method of all, and the best of those that are_others.
+// The fastest method, and the fastest of those that differ from it in a field.
 void AddMethods(Table& table, const char* question, const Methods& methods,
-                const std::function<bool(const Method&)>& are_others,
-                const std::function<std::string(const Method&)>& name) {
-  const auto one = std::find_if_not(methods.begin(), methods.end(), are_others);
-  const auto other = std::find_if(methods.begin(), methods.end(), are_others);
-  if (one == methods.end() || other == methods.end()) return;
-  const Method& better = *std::min(one, other);
-  const Method& worse = *std::max(one, other);
-  AddAnswer(table, question, name(better), name(worse),
-            GroupRange(RatiosOf(worse.time, better.time)));
+                std::string Method::*field) {
+  const Method& best = methods.front();
+  const auto other = std::find_if(
+      methods.begin(), methods.end(),
+      [&](const Method& method) { return method.*field != best.*field; });
+  AddAnswer(table, question, best.name(), other->name(),
+            GroupRange(RatiosOf(other->time, best.time)));
 }
 
 void AddThreads(const Table& threads, Table& table) {
@@ -189,28 +187,12 @@ Table AnswersTable(Run& run) {
   const AaboWorld3 world = Thinned(
       run.Measured().objects, run.is_quick() ? kMostObjects / 8 : kMostObjects);
   const Methods methods = MeasureMethods(run, world);
-  AddMethods(
-      table, "shape", methods,
-      [&](const Method& method) {
-        return method.shape != methods.front().shape;
-      },
-      [](const Method& method) { return method.name(); });
+  AddMethods(table, "shape", methods, &Method::shape);
   Methods scans = methods;
-  std::erase_if(scans,
-                [](const Method& method) { return method.structure == "BVH"; });
-  AddMethods(
-      table, "precision of scans", scans,
-      [](const Method& method) { return method.precision == "floats"; },
-      [](const Method& method) {
-        return method.precision + " (" + method.shape + ")";
-      });
-  AddMethods(
-      table, "structure", methods,
-      [](const Method& method) { return method.structure == "BVH"; },
-      [](const Method& method) {
-        return method.structure + " (" + method.shape + " " + method.precision +
-               ")";
-      });
+  std::erase_if(
+      scans, [](const Method& method) { return method.structure != "scan"; });
+  AddMethods(table, "precision of scans", scans, &Method::precision);
+  AddMethods(table, "structure", methods, &Method::structure);
   const ExactTest exact = run.TheExactTest();
   table.notes.push_back(
       "Measured on " + Grouped(world.size()) + " objects of " +
@@ -220,9 +202,7 @@ Table AnswersTable(Run& run) {
       " The exact test of a survivor takes " + Fixed(exact.ns.median, 0) +
       " ns (" + exact.name +
       "). \"No difference\" is one of less than a twentieth.");
-  if (const Table* threads = run.TableOf("threads")) {
-    AddThreads(*threads, table);
-  }
+  AddThreads(run.threads, table);
   if (!run.machine.HasCache(3)) {
     table.notes.push_back(
         "The system names no third-level cache: the size of \"memory\" is a "

@@ -33,11 +33,6 @@ namespace {
 using Ids = std::vector<std::uint32_t>;
 using Bvh3 = Bvh<AabbView3>;
 
-// Of a file. Bullet takes no coordinates further out; and of more ids, writing
-// them is what would be timed.
-constexpr std::size_t kMostOfFile = 4'000'000;
-constexpr float kFarthest = 1e12f;
-constexpr std::size_t kMostFound = 2000;
 // All structures of a workload together.
 constexpr std::size_t kBytesOfBox = 1500;
 // In one turn of the structures, after which each has evicted the others.
@@ -47,24 +42,6 @@ constexpr std::size_t kQueriesInTurn = 2000;
 // (2 * 0.37 / 100)^2 is (2 * 1.9 / 100)^3.
 constexpr float kSide3D = 1.9f;
 constexpr float kSide2D = 0.37f;
-
-struct BvhTables {
-  Table queries{"bvh",
-                "us a query; times as fast as the fastest competitor",
-                {Key("world"), Key("objects"), Key("what"), Key("target"),
-                 Value("in a row", "us", 3), Higher("times"),
-                 Value("in turns", "us", 3)}};
-  Table jobs{"bvh: jobs",
-             "what is done to all objects at once",
-             {Key("job"), Key("objects"), Value("time", "ms", 1)}};
-
-  void AddJobs(Contest& contest, std::size_t repetitions) {
-    contest.TimeOnce(repetitions);
-    contest.AddTo(jobs, [&](std::size_t i) -> Row {
-      return {contest.timing(i).Median() / 1e6};
-    });
-  }
-};
 
 // One kind of query, by BVHs and by others: all queries in a row, and in turns
 // with the others if `is_in_turns`. The first `checked` are checked.
@@ -128,12 +105,11 @@ class Search {
   Contest turns_;
 };
 
-// The box queries of a set, by all that can answer them: by fast builds and in
-// one call, too, unless only_tight.
+// The box queries of a set, by all that can answer them, and by a BVH in one
+// call, too.
 template <int kDims>
-void RunQueries(Run& run, const BoxSet<kDims>& set,
-                const std::vector<Target>& targets, BvhTables& tables,
-                bool only_tight = false) {
+void RunQueries(Run& run, const BoxSet<kDims>& set, Target target,
+                Table& table) {
   using Box = Aabb<kDims>;
   using Tree = Bvh<AabbView<kDims>>;
   using Found = std::span<const std::uint32_t>;
@@ -159,72 +135,46 @@ void RunQueries(Run& run, const BoxSet<kDims>& set,
     return sorted == expected[q];
   };
 
-  // How much the queries find and visit, and memory for all ids.
-  std::size_t sum = 0;
-  QueryStatistics read;
-  {
-    const Tree tree(boxes.view());
-    for (const Box& query : set.queries) {
-      // By ids: a count does not visit what is inside a query.
-      sum += Survivors(tree, query, {}, {.statistics = &read});
-    }
-  }
-  const auto of_query = [](std::size_t count) {
-    return Fixed(static_cast<double>(count) / kTimedQueries, 1);
-  };
-  tables.queries.notes.push_back(
-      set.name + ", " + Grouped(objects) + " boxes: a query finds " +
-      of_query(sum) + " and visits " +
-      of_query(read.node_blocks + read.leaves) + " blocks of 64.");
-  Ids all_ids(sum + 1);
-  std::vector<std::size_t> offsets(kTimedQueries + 1);
-
   Search search(run, set.name, objects, expected.size(), true);
   // Each row has a copy of the world, so that in turns with the others it finds
   // the caches as a tree finds them.
-  const auto add_bvh = [&](const std::string& name, BuildQuality quality,
-                           Target target) {
-    const auto tree = std::make_shared<const Tree>(
-        boxes.view(), BuildOptions{.quality = quality});
-    search.Add(
-        name + ", one query a call", NameOf(target), Who::kOurs, kTimedQueries,
-        [&set, found_in, tree, target](std::size_t q) {
-          return found_in(*tree, set.queries[q],
-                          QueryOptions{.target = target});
-        },
-        is_right);
-    if (only_tight) return;
-    const auto ask = [&all_ids, &offsets, target,
-                      tree = std::make_shared<const Tree>(*tree)](
-                         std::span<const Box> queries) {
-      std::ignore =
-          SurvivorsOfEach(*tree, queries, all_ids, offsets, {.target = target});
-    };
-    const auto check = [&, ask]() -> std::string {
-      ask(std::span(set.queries).first(expected.size()));
-      for (std::size_t q = 0; q < expected.size(); ++q) {
-        if (!is_right(q, Found(all_ids).subspan(offsets[q],
-                                                offsets[q + 1] - offsets[q]))) {
-          return "a query of a call has other answers";
-        }
-      }
-      return {};
-    };
-    search.AddCases(
-        name + ", all in one call", NameOf(target), Who::kOurs, kTimedQueries,
-        check, [&](std::size_t count) {
-          Case c = InTurn(
-              kTimedQueries / count, 1, [&set, ask, count](std::size_t i) {
-                ask(std::span(set.queries).subspan(i * count, count));
-              });
-          c.items = static_cast<double>(count);
-          return c;
-        });
+  const auto tree = std::make_shared<const Tree>(boxes.view());
+  search.Add(
+      "tight, one query a call", NameOf(target), Who::kOurs, kTimedQueries,
+      [&set, found_in, tree, target](std::size_t q) {
+        return found_in(*tree, set.queries[q], QueryOptions{.target = target});
+      },
+      is_right);
+  std::size_t sum = 0;
+  for (const Box& query : set.queries) sum += CountSurvivors(*tree, query);
+  Ids all_ids(sum);
+  std::vector<std::size_t> offsets(kTimedQueries + 1);
+  const auto ask = [&all_ids, &offsets, target,
+                    tree = std::make_shared<const Tree>(*tree)](
+                       std::span<const Box> queries) {
+    std::ignore =
+        SurvivorsOfEach(*tree, queries, all_ids, offsets, {.target = target});
   };
-  for (Target target : targets) {
-    add_bvh("tight", BuildQuality::kHigh, target);
-    if (!only_tight) add_bvh("fast", BuildQuality::kFast, target);
-  }
+  const auto check = [&, ask]() -> std::string {
+    ask(std::span(set.queries).first(expected.size()));
+    for (std::size_t q = 0; q < expected.size(); ++q) {
+      const std::size_t count = offsets[q + 1] - offsets[q];
+      if (!is_right(q, Found(all_ids).subspan(offsets[q], count))) {
+        return "a query of a call has other answers";
+      }
+    }
+    return {};
+  };
+  search.AddCases(
+      "tight, all in one call", NameOf(target), Who::kOurs, kTimedQueries,
+      check, [&](std::size_t count) {
+        Case c =
+            InTurn(kTimedQueries / count, 1, [&set, ask, count](std::size_t i) {
+              ask(std::span(set.queries).subspan(i * count, count));
+            });
+        c.items = static_cast<double>(count);
+        return c;
+      });
   Ids listed;  // by a competitor
   for (const auto& competitor : Registered<BoxTree<kDims>>::AllFor(objects)) {
     search.Add(
@@ -239,98 +189,87 @@ void RunQueries(Run& run, const BoxSet<kDims>& set,
   search.Time(objects < 1'000'000
                   ? run.effort.repetitions
                   : std::min<std::size_t>(run.effort.repetitions, 5),
-              tables.queries);
+              table);
 }
 
-// What is built ends after its time, as its end is no part of a build.
-void RunBuilds(Run& run, const BoxSet<3>& set, BvhTables& tables) {
-  std::shared_ptr<const void> made;
-  Contest contest(run, "bvh/build");
-  const auto add = [&](const std::string& name, auto make) {
-    Case c;
-    c.run = [&made, make] { made = std::shared_ptr<const void>(make()); };
-    c.after = [&made] { made = nullptr; };
-    contest.Add({name, set.boxes.size()}, std::move(c));
-  };
-  add("tight", [&] { return std::make_shared<const Bvh3>(set.boxes); });
-  add("fast", [&] {
-    return std::make_shared<const Bvh3>(
-        set.boxes, BuildOptions{.quality = BuildQuality::kFast});
-  });
-  for (const auto& competitor :
-       Registered<BoxTree<3>>::AllFor(set.boxes.size())) {
-    add(competitor.name,
-        [&set, competitor] { return competitor.make(set.boxes); });
-  }
-  tables.AddJobs(contest, std::min<std::size_t>(run.effort.repetitions, 5));
-}
-
-// Each is a BVH of its own, so that none finds what another has left in the
-// caches.
-void RunRefits(Run& run, const BoxSet<3>& set, BvhTables& tables) {
-  constexpr std::size_t kPlanes = detail::kPlaneCount<Aabb3>;
+// What is done to all objects, and to a few of them.
+void RunJobs(Run& run, const BoxSet<3>& set, Target target, Table& table) {
   const std::span<const Aabb3> boxes = set.boxes;
-  Bvh3 in_order(boxes);
-  Bvh3 by_id(boxes);
-  World<AabbView3> bounds;
-  for (std::uint32_t id : in_order.ids()) bounds.Push(boxes[id]);
-  // A refit reads the floats and writes them and the codes; a copy moves as
-  // many bytes, half of them each way.
-  const std::size_t moved =
-      boxes.size() * kPlanes * (2 * sizeof(float) + sizeof(std::int16_t));
-  std::vector<std::byte> from(moved / 2, std::byte{1});
-  std::vector<std::byte> to(moved / 2);
-  Contest contest(run, "bvh/refit");
-  const auto add = [&](const char* name, const Bvh3* tree, auto refit) {
-    Case c;
-    c.run = refit;
-    c.check = [tree, refit]() -> std::string {
-      refit();
-      if (tree == nullptr || tree->CostRatio() == 1.0) return {};
-      return "the same bounds make another world";
-    };
-    contest.Add({name, boxes.size()}, std::move(c));
-  };
-  add("refit, in order", &in_order,
-      [&] { in_order.RefitInOrder(bounds.view()); });
-  add("refit, by id, of a list", &by_id, [&] { by_id.Refit(boxes); });
-  add("copy of as many bytes", nullptr,
-      [&] { std::memcpy(to.data(), from.data(), to.size()); });
-  tables.AddJobs(contest, std::max<std::size_t>(5, run.effort.repetitions));
-}
-
-void RunPairs(Run& run, const BoxSet<3>& set, Target target,
-              BvhTables& tables) {
-  const PairOptions options{.target = target};
-  Bvh3 world(set.boxes);
-  std::vector<IdPair> pairs(Pairs(world, {}, options));
-  Contest contest(run, "bvh/pairs");
-  // run() returns how many pairs there are.
+  std::shared_ptr<const void> made;
+  Contest contest(run, "bvh/jobs");
+  // job() returns `expected` if it was done right.
   const auto add = [&](const std::string& name, std::size_t expected,
                        auto job) {
     Case c;
     c.run = [job] { std::ignore = job(); };
+    c.after = [&made] { made = nullptr; };  // its end is no part of a build
     c.check = [expected, job]() -> std::string {
       const std::size_t count = job();
       if (count == expected) return {};
-      return std::to_string(count) + " pairs, and not " +
-             std::to_string(expected);
+      return std::to_string(count) + ", and not " + std::to_string(expected);
     };
-    contest.Add({name, set.boxes.size()}, std::move(c));
+    contest.Add({name, boxes.size()}, std::move(c));
   };
+
+  for (const auto& [name, quality] : {std::pair("tight", BuildQuality::kHigh),
+                                      std::pair("fast", BuildQuality::kFast)}) {
+    add(name, boxes.size(), [&made, boxes, quality = quality] {
+      auto bvh =
+          std::make_shared<const Bvh3>(boxes, BuildOptions{.quality = quality});
+      made = bvh;
+      return bvh->size();
+    });
+  }
+  for (const auto& competitor : Registered<BoxTree<3>>::AllFor(boxes.size())) {
+    add(competitor.name, 1, [&made, boxes, competitor] {
+      made = std::shared_ptr<const void>(competitor.make(boxes));
+      return std::size_t{1};
+    });
+  }
+
+  // Each is a BVH of its own, so that none finds what another has left in the
+  // caches. The same bounds make the same world.
+  Bvh3 in_order(boxes);
+  Bvh3 by_id(boxes);
+  World<AabbView3> bounds;
+  for (std::uint32_t id : in_order.ids()) bounds.Push(boxes[id]);
+  const auto is_same = [](const Bvh3& bvh) -> std::size_t {
+    return bvh.CostRatio() == 1.0 ? 1 : 0;
+  };
+  add("refit, in order", 1, [&] {
+    in_order.RefitInOrder(bounds.view());
+    return is_same(in_order);
+  });
+  add("refit, by id, of a list", 1, [&] {
+    by_id.Refit(boxes);
+    return is_same(by_id);
+  });
+  // A refit reads the floats and writes them and the codes; a copy moves as
+  // many bytes, half of them each way.
+  const std::size_t moved_bytes = boxes.size() * detail::kPlaneCount<Aabb3> *
+                                  (2 * sizeof(float) + sizeof(std::int16_t));
+  std::vector<std::byte> from(moved_bytes / 2, std::byte{1});
+  std::vector<std::byte> to(moved_bytes / 2);
+  add("copy of as many bytes", 1, [&] {
+    std::memcpy(to.data(), from.data(), to.size());
+    return std::to_integer<std::size_t>(to.back());
+  });
+
+  const PairOptions options{.target = target};
+  Bvh3 world(boxes);
+  std::vector<IdPair> pairs(Pairs(world, {}, options));
   add("pairs", pairs.size(), [&] { return Pairs(world, pairs, options); });
   add("fast build and pairs", pairs.size(), [&] {
-    return Pairs(Bvh3(set.boxes, {.quality = BuildQuality::kFast}), pairs,
-                 options);
+    return Pairs(Bvh3(boxes, {.quality = BuildQuality::kFast}), pairs, options);
   });
   // The pairs of a few objects, and a query for each.
   Ids moved;
-  for (std::size_t i = 0; i < set.boxes.size();
-       i += std::max<std::size_t>(1, set.boxes.size() / 256)) {
+  for (std::size_t i = 0; i < boxes.size();
+       i += std::max<std::size_t>(1, boxes.size() / 256)) {
     moved.push_back(static_cast<std::uint32_t>(i));
   }
   world.Reserve(world.size());  // as if they had been moved by id
-  std::vector<bool> is_moved(set.boxes.size());
+  std::vector<bool> is_moved(boxes.size());
   for (std::uint32_t id : moved) is_moved[id] = true;
   std::ignore = Pairs(world, pairs, options);
   std::size_t of_moved = 0;
@@ -342,34 +281,34 @@ void RunPairs(Run& run, const BoxSet<3>& set, Target target,
   const std::string some = std::to_string(moved.size());
   add("pairs of " + some + " objects", of_moved,
       [&] { return PairsOf(world, moved, pairs, options); });
-  Ids ids(set.boxes.size());
+  Ids ids(boxes.size());
   add(some + " queries", survivors, [&] {
     std::size_t count = 0;
     for (std::uint32_t id : moved) {
-      count += Survivors(world, set.boxes[id], ids, {.target = target});
+      count += Survivors(world, boxes[id], ids, {.target = target});
     }
     return count;
   });
   std::vector<IndexPair> found;
   found.reserve(pairs.size());
-  for (const auto& competitor :
-       Registered<PairFinder>::AllFor(set.boxes.size())) {
-    add(competitor.name + ", build", 0, [&set, competitor] {
-      std::ignore = competitor.make(set.boxes);
-      return std::size_t{0};
+  for (const auto& competitor : Registered<PairFinder>::AllFor(boxes.size())) {
+    add(competitor.name + ", build", 1, [&made, boxes, competitor] {
+      made = std::shared_ptr<const void>(competitor.make(boxes));
+      return std::size_t{1};
     });
     add(competitor.name + ", pairs", pairs.size(),
-        [&found,
-         finder = std::shared_ptr<PairFinder>(competitor.make(set.boxes))] {
+        [&found, finder = std::shared_ptr<PairFinder>(competitor.make(boxes))] {
           finder->Pairs(found);
           return found.size();
         });
   }
-  tables.AddJobs(contest, 3);
+  contest.TimeOnce(std::min<std::size_t>(run.effort.repetitions, 5));
+  contest.AddTo(table, [&](std::size_t i) -> Row {
+    return {contest.timing(i).Median() / 1e6};
+  });
 }
 
-void RunSearches(Run& run, const BoxSet<3>& set, Target target,
-                 BvhTables& tables) {
+void RunSearches(Run& run, const BoxSet<3>& set, Target target, Table& table) {
   constexpr std::size_t kChecked = 20;
   constexpr std::size_t kCount = 8;
   constexpr float kHalfWorld = 50.0f;
@@ -403,12 +342,6 @@ void RunSearches(Run& run, const BoxSet<3>& set, Target target,
         return CountSurvivors(world, large[q], {.target = target});
       },
       is_count);
-  counts.Add(
-      "ids", target_name, Who::kOurs, 200,
-      [&](std::size_t q) {
-        return Survivors(world, large[q], found, {.target = target});
-      },
-      is_count);
   for (const auto& competitor : Registered<BoxTree<3>>::AllFor(objects)) {
     const std::shared_ptr<const BoxTree<3>> tree = competitor.make(set.boxes);
     if (!tree->CanCount()) continue;
@@ -416,7 +349,7 @@ void RunSearches(Run& run, const BoxSet<3>& set, Target target,
         competitor.name, "", Who::kCompetitor, 5,
         [&, tree](std::size_t q) { return tree->Count(large[q]); }, is_count);
   }
-  counts.Time(run.effort.repetitions, tables.queries);
+  counts.Time(run.effort.repetitions, table);
 
   // Many boxes are equally far away, so the answer is a distance: of the last.
   const auto square_of = [&](const Point<3>& point, std::uint32_t id) {
@@ -466,54 +399,27 @@ void RunSearches(Run& run, const BoxSet<3>& set, Target target,
         },
         is_nearest);
   }
-  nearest.Time(run.effort.repetitions, tables.queries);
-}
-
-bool HasMemoryFor(std::size_t objects) {
-  const std::size_t available = FreeMemory();
-  return available == 0 || objects < available / kBytesOfBox;
-}
-
-// Why the boxes of a file are not measured; empty if they are.
-std::string WhyNot(const Workload* input) {
-  if (input == nullptr) return "no --mesh or --bounds";
-  const std::size_t objects = input->objects.size();
-  if (objects > kMostOfFile || !HasMemoryFor(objects)) {
-    return "too many boxes";
-  }
-  const AabbView3 view = input->objects.view().aabb();
-  for (std::size_t i = 0; i < objects * 3; ++i) {
-    if (!(view.min[i % 3][i / 3] >= -kFarthest &&
-          view.max[i % 3][i / 3] <= kFarthest)) {
-      return "coordinates beyond 1e12, which not all trees take";
-    }
-  }
-  const Bvh3 world(view);
-  std::size_t found = 0;
-  for (const Aabo3& query : input->queries) {
-    found += CountSurvivors(world, query.aabb());
-  }
-  if (found > kMostFound * input->queries.size()) {
-    return "a query finds more than " + std::to_string(kMostFound) + " boxes";
-  }
-  return {};
+  nearest.Time(run.effort.repetitions, table);
 }
 
 }  // namespace
 
 Tables RunBvh(Run& run) {
   const std::uint64_t seed = run.options.seed;
-  const Target best = run.WidthTargets().front();
-  std::vector<Target> targets = {best};
-  for (Target target : run.WidthTargets()) {
-    if (target.name() == "AVX2" && target != best) targets.push_back(target);
-  }
-  BvhTables tables;
-  std::size_t most = run.is_quick() ? 100'000 : 1'000'000;
-  if (run.options.objects != 0) most = std::min(most, run.options.objects);
-  if (most > 100'000 && !HasMemoryFor(most)) {
-    most = 100'000;
-    tables.queries.notes.push_back(
+  const Target target = run.best();
+  Table table{"bvh",
+              "us a query; times as fast as the fastest competitor",
+              {Key("world"), Key("objects"), Key("what"), Key("target"),
+               Value("in a row", "us", 3), Higher("times"),
+               Value("in turns", "us", 3)}};
+  Table jobs{"bvh: jobs",
+             "what is done to all objects at once",
+             {Key("job"), Key("objects"), Value("time", "ms", 1)}};
+  std::size_t most = run.MostObjects(1'000'000, /*of_quick=*/10'000);
+  const std::size_t available = FreeMemory();
+  if (available != 0 && most > available / kBytesOfBox) {
+    most = std::min<std::size_t>(most, 100'000);
+    table.notes.push_back(
         "Not measured: more than 100 000 boxes, which do not fit the free "
         "memory.");
   }
@@ -524,50 +430,30 @@ Tables RunBvh(Run& run) {
   Parts parts;
   for (std::size_t objects : UpTo(most, {1000, 10'000, 100'000, 1'000'000})) {
     parts.emplace_back(
-        [&, objects] { RunQueries(run, uniform(objects), targets, tables); });
+        [&, objects] { RunQueries(run, uniform(objects), target, table); });
   }
-  // Of clusters all ways, and more objects. Of a quick run, the first three
-  // with few objects.
-  const std::span<const SkewedWorld> worlds =
-      SkewedWorlds().first(run.is_quick() ? 3 : SkewedWorlds().size());
-  for (const SkewedWorld& world : worlds) {
-    const bool is_first = &world == worlds.data();
-    for (std::size_t objects :
-         is_first
-             ? UpTo(most, {100'000, 1'000'000})
-             : UpTo(run.is_quick() ? std::min<std::size_t>(most, 10'000) : most,
-                    {10'000, 100'000})) {
-      parts.emplace_back([&, objects, is_first] {
+  for (const SkewedWorld& world : SkewedWorlds()) {
+    for (std::size_t objects : UpTo(most, {10'000, 100'000})) {
+      parts.emplace_back([&, objects] {
         BoxSet<3> set = world.make(objects, kSide3D, seed);
         set.name = world.name;
-        RunQueries(run, set, is_first ? std::vector{best} : targets, tables,
-                   !is_first);
+        RunQueries(run, set, target, table);
       });
     }
   }
-  if (const std::string why = WhyNot(run.input()); why.empty()) {
-    parts.emplace_back([&] {
-      RunQueries(run, BoxesOf("file", *run.input()), {best}, tables);
-    });
-  } else {
-    tables.queries.notes.push_back("Not measured: the boxes of a file: " + why +
-                                   ".");
-  }
   for (std::size_t objects : UpTo(most, {100'000, 1'000'000})) {
     parts.emplace_back([&, objects] {
-      RunQueries(run, MakeUniformBoxes<2>("2D", objects, kSide2D, seed), {best},
-                 tables);
+      RunQueries(run, MakeUniformBoxes<2>("2D", objects, kSide2D, seed), target,
+                 table);
     });
   }
-  parts.emplace_back([&] { RunBuilds(run, uniform(most), tables); });
-  parts.emplace_back([&] { RunRefits(run, uniform(most), tables); });
   for (std::size_t objects : UpTo(most, {100'000, 1'000'000})) {
     parts.emplace_back(
-        [&, objects] { RunPairs(run, uniform(objects), best, tables); });
+        [&, objects] { RunJobs(run, uniform(objects), target, jobs); });
   }
-  parts.emplace_back([&] { RunSearches(run, uniform(most), best, tables); });
+  parts.emplace_back([&] { RunSearches(run, uniform(most), target, table); });
   RunParts(run, parts);
-  return {tables.queries, tables.jobs};
+  return {table, jobs};
 }
 
 }  // namespace halfspace::bench

@@ -8,7 +8,6 @@
 #include <memory>
 #include <sstream>
 #include <system_error>
-#include <utility>
 
 #include "bench/base/text.h"
 #include "bench/sections/run.h"
@@ -23,19 +22,10 @@ constexpr std::size_t kMostOfScene = std::size_t{1} << 30;
 constexpr std::size_t kMostQueries = std::size_t{1} << 20;
 constexpr std::size_t kMostRepetitions = 1000;
 
-std::string SupportedTargetNames() {
-  std::string names;
-  for (Target target : SupportedTargets()) {
-    if (!names.empty()) names += ", ";
-    names += target.name();
-  }
+std::vector<std::string> SupportedTargetNames() {
+  std::vector<std::string> names;
+  for (Target target : SupportedTargets()) names.emplace_back(target.name());
   return names;
-}
-
-std::string CheckTarget(const std::string& name) {
-  if (FindTarget(name)) return {};
-  return "\"" + name + "\" is not supported here; choose one of " +
-         SupportedTargetNames();
 }
 
 // Decimal: 010 is ten, and 0x10 nothing. 1e6 is a whole number, too.
@@ -82,53 +72,22 @@ std::string CheckFileName(const std::string& name) {
   return name.empty() ? "an empty file name" : "";
 }
 
-// Empty pieces, too, which the delimiters of CLI11 drop.
-std::vector<std::string> SplitAtCommas(const std::string& list) {
-  std::vector<std::string> pieces(1);
-  for (char c : list) {
-    if (c == ',') {
-      pieces.emplace_back();
-    } else {
-      pieces.back() += c;
-    }
-  }
-  return pieces;
+std::string CheckSection(const std::string& name) {
+  const auto& sections = ThisProgram().sections;
+  const bool is_section =
+      std::any_of(sections.begin(), sections.end(),
+                  [&](const Section& each) { return each.name == name; });
+  return name == kAllSections || is_section
+             ? ""
+             : "\"" + name + "\" is not a section; --list prints them";
 }
 
-std::string CheckSections(const std::string& list) {
-  for (const std::string& name : SplitAtCommas(list)) {
-    const bool is_section = std::any_of(
-        ThisProgram().sections.begin(), ThisProgram().sections.end(),
-        [&](const Section& each) { return each.name == name; });
-    if (name != kAllSections && !is_section) {
-      return "\"" + name + "\" is not a section; --list prints them";
-    }
-  }
-  return {};
-}
-
-// --help in 80 columns.
+// Without what CLI11 says of checks, defaults, and what an option excludes.
 class Help : public CLI::Formatter {
  public:
-  std::string make_option(const CLI::Option* option,
-                          bool is_positional) const override {
-    constexpr std::size_t kIndent = 24;
-    constexpr std::size_t kWidth = 80;
-    std::string text = "  " + make_option_name(option, is_positional);
-    if (option->get_type_size() != 0) text += ' ' + option->get_type_name();
-    std::size_t column = text.size();
-    if (column >= kIndent) column = kWidth;  // begins on a new line
-    std::istringstream words(option->get_description());
-    for (std::string word; words >> word;) {
-      if (column + 1 + word.size() > kWidth) {
-        text += '\n';
-        column = 0;
-      }
-      const std::size_t gap = column < kIndent ? kIndent - column : 1;
-      text.append(gap, ' ') += word;
-      column += gap + word.size();
-    }
-    return text + '\n';
+  Help() { column_width(24); }
+  std::string make_option_opts(const CLI::Option* option) const override {
+    return option->get_type_size() == 0 ? "" : ' ' + option->get_type_name();
   }
 };
 
@@ -174,13 +133,13 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
       std::string(ThisProgram().name) + " " + HALFSPACE_VERSION_STRING,
       "Print the version and exit");
   app.add_flag("--quick", options.is_quick,
-               "Use a smaller scene and fewer repetitions: about 40 seconds");
-  std::vector<std::string> lists;
-  app.add_option(
-         "--details", lists,
-         "Measure these sections at length and print their tables; "
-         "separated by commas; see --list. \"all\" takes 5 to 15 minutes")
-      ->check(CheckSections)
+               "Use a smaller scene and fewer repetitions:\nabout 40 seconds");
+  app.add_option("--details", options.details,
+                 "Measure these sections at length and print their\n"
+                 "tables; separated by commas; see --list. \"all\"\n"
+                 "takes 5 to 15 minutes")
+      ->delimiter(',')
+      ->check(CheckSection)
       ->type_name("SECTION,...");
   auto* mesh =
       app.add_option("--mesh", options.mesh,
@@ -194,13 +153,14 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
       ->excludes(mesh);
   auto* query_bounds =
       app.add_option("--query-bounds", options.query_bounds,
-                     "Query with these boxes, not with those of --mesh or "
-                     "--bounds")
+                     "Query with these boxes, not with those of --mesh\n"
+                     "or --bounds")
           ->check(CheckFileName)
           ->type_name("FILE.csv");
   app.add_option("--query-size", options.query_size,
-                 "Query with random boxes whose sides are this percentage of "
-                 "the sides of the box around --mesh or --bounds")
+                 "Query with random boxes whose sides are this\n"
+                 "percentage of the sides of the box around --mesh or\n"
+                 "--bounds")
       ->check(Above0UpTo(100))
       ->type_name("PERCENT")
       ->excludes(query_bounds);
@@ -209,26 +169,25 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
       ->transform(Whole(64, kMostOfScene))
       ->type_name("N");
   app.add_option("--queries", options.queries,
-                 "Queries (default 20000 to time; 128 to count survivors, with "
-                 "a file 256 or a few more)")
+                 "Queries (default 20000 to time; 128 to count\n"
+                 "survivors, with a file 256 or a few more)")
       ->transform(Whole(1, kMostQueries))
       ->type_name("N");
   app.add_option("--seed", options.seed,
                  "Seed of the scene and of --query-size (default 1)")
       ->transform(Whole(0, std::numeric_limits<std::uint64_t>::max()))
       ->type_name("N");
-  app.add_option("--target", options.target,
-                 "Measure this target only: " + SupportedTargetNames())
-      ->check(CheckTarget)
+  app.add_option("--target", options.target, "Measure this target only")
+      ->check(CLI::IsMember(SupportedTargetNames()).description(""))
       ->type_name("NAME");
   app.add_option("--repetitions", options.repetitions,
-                 "Repetitions of every measurement (default 5, with --details "
-                 "7, with --quick 3)")
+                 "Repetitions of every measurement (default 5, with\n"
+                 "--details 7, with --quick 3)")
       ->transform(Whole(1, kMostRepetitions))
       ->type_name("N");
   app.add_option("--exact-ns", options.exact_ns,
-                 "Time of your exact test of one survivor (default: measured, "
-                 "of two triangles)")
+                 "Time of your exact test of one survivor (default:\n"
+                 "measured, of two triangles)")
       ->check(Above0UpTo(1e9))
       ->type_name("NS");
   app.add_flag("--strict", options.is_strict,
@@ -259,11 +218,6 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
   }
   for (int i = 1; i < argc; ++i) {
     options.command += (i == 1 ? "" : " ") + std::string(argv[i]);
-  }
-  for (const std::string& list : lists) {
-    for (std::string& section : SplitAtCommas(list)) {
-      options.details.push_back(std::move(section));
-    }
   }
   // A program without a page runs all of its sections.
   if (options.details.empty() &&

@@ -111,22 +111,14 @@ Target Run::best() const {
   return is_measured ? ChosenTarget() : targets.front();
 }
 
-std::vector<Target> Run::WidthTargets() const {
-  std::vector<Target> widths;
-  for (Target target : targets) {
-    if (target.name().starts_with("AVX3") || target.name() == "AVX2" ||
-        target.name() == "SSE4") {
-      widths.push_back(target);
-    }
-  }
-  if (widths.empty()) widths.push_back(targets.front());
-  if (is_quick()) widths.resize(1, widths.front());
-  return widths;
-}
-
 std::size_t Run::SceneObjects() const {
   if (options.objects != 0) return options.objects;
   return options.is_quick ? kQuickObjects : kPaperObjects;
+}
+
+std::size_t Run::MostObjects(std::size_t usual, std::size_t of_quick) const {
+  const std::size_t most = options.is_quick ? of_quick : usual;
+  return options.objects == 0 ? most : std::min(most, options.objects);
 }
 
 void Run::FailForMemory(const std::string& why) const {
@@ -206,24 +198,23 @@ ExactTest Run::TheExactTest() {
   return *exact_test_;
 }
 
+std::size_t Run::VerdictGroups() const {
+  // An odd number has a median that is one of them.
+  return options.repetitions == 0 ? kGroups
+                                  : std::min(kGroups, options.repetitions | 1);
+}
+
 void Run::AddVerdictGroup() {
   if (!verdict_) verdict_ = std::make_unique<Verdict>(*this);
-  if (verdict_->groups() < kGroups) verdict_->AddGroup(*this);
+  if (verdict_->groups() < VerdictGroups()) verdict_->AddGroup(*this);
 }
 
 const Verdict& Run::TheVerdict() {
-  while (!verdict_ || verdict_->groups() < kGroups) {
-    progress.BeginPart(verdict_ ? verdict_->groups() : 0, kGroups);
+  while (!verdict_ || verdict_->groups() < VerdictGroups()) {
+    progress.BeginPart(verdict_ ? verdict_->groups() : 0, VerdictGroups());
     AddVerdictGroup();
   }
   return *verdict_;
-}
-
-const Table* Run::TableOf(const std::string& name) const {
-  for (const Table& table : tables) {
-    if (table.name == name) return &table;
-  }
-  return nullptr;
 }
 
 }  // namespace halfspace::bench

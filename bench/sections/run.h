@@ -49,9 +49,6 @@ class Run {
 
   // The target that programs get, or the best that is measured.
   Target best() const;
-  // The best target of each width of vectors: AVX-512, AVX2 and SSE4.2 on x86;
-  // the best one elsewhere, and if the run is quick.
-  std::vector<Target> WidthTargets() const;
   // In memory targets hardly differ, and take long: the best alone, and so if
   // the run is quick.
   std::vector<Target> TargetsIn(const std::string& set) const {
@@ -66,6 +63,9 @@ class Run {
   // The workload of the file, or the scene.
   const Workload& Measured() { return input_ ? *input_ : Scene(); }
   std::size_t SceneObjects() const;
+  // The most objects of other worlds: of a quick run fewer, and no more than
+  // --objects.
+  std::size_t MostObjects(std::size_t usual, std::size_t of_quick) const;
 
   // The working sets of these names, as far as they are reached.
   std::vector<WorkingSetSize> Reached(
@@ -86,6 +86,8 @@ class Run {
   // That of --exact-ns, or of a pair of triangles.
   ExactTest TheExactTest();
 
+  // Of the verdict: as many as repetitions, if these are given and fewer.
+  std::size_t VerdictGroups() const;
   // Simplex against box. The first call measures the groups that are missing.
   const Verdict& TheVerdict();
   // One more group of it, unless there are enough.
@@ -95,9 +97,8 @@ class Run {
   // What other programs took since the run began.
   Load LoadNow() const { return load_.Sample(); }
 
-  // Tables that a section leaves for the answers.
-  const Table* TableOf(const std::string& name) const;
-  Tables tables;
+  // What RunThreads() leaves for the answers.
+  Table threads;
 
  private:
   bool NeedsScene() const;

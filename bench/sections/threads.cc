@@ -53,7 +53,6 @@ void AddRows(Run& run, const Work& work, const std::vector<std::size_t>& counts,
   const auto rounds =
       static_cast<std::size_t>(std::clamp(kSeconds / once, 1.0, 1e6));
   std::vector<std::vector<double>> ns(counts.size());
-  std::vector<double> shares(counts.size());
   const std::size_t tries = std::max<std::size_t>(10, run.effort.repetitions);
   for (std::size_t t = 0; t < tries * counts.size(); ++t) {
     const std::size_t c = t % counts.size();
@@ -66,28 +65,25 @@ void AddRows(Run& run, const Work& work, const std::vector<std::size_t>& counts,
       throw WrongAnswer("threads/" + work.name +
                         ": the masks are not those of one thread");
     }
-    shares[c] += time.cpu_share / static_cast<double>(tries);
     if (time.cpu_share < kLeastShare) continue;
     ns[c].push_back(1e9 * time.seconds /
                     (work.pairs * static_cast<double>(rounds)));
   }
   for (std::size_t c = 0; c < counts.size(); ++c) {
-    Row row = {work.name, counts[c], Cell(), Cell()};
     const Ratio one = RangeOf(ns[0]);
     const Ratio all = RangeOf(ns[c]);
     const Ratio times{one.median / all.median, one.low / all.high,
                       one.high / all.low};
-    if (ns[c].size() >= kFewest) row[2] = all.median;
-    if (ns[c].size() >= kFewest && ns[0].size() >= kFewest &&
-        times.high < kWidest * times.low) {
-      row[3] = times;
-    } else if (counts[c] != 1) {
-      table.notes.push_back(
-          std::to_string(counts[c]) + " threads, " + work.name +
-          ": not measurable now, other programs take " +
-          Fixed(100.0 * (1.0 - shares[c]), 0) + " % of a CPU.");
+    const bool is_timed = std::min(ns[0].size(), ns[c].size()) >= kFewest &&
+                          times.high < kWidest * times.low;
+    table.Add({work.name, counts[c], is_timed ? Cell(all.median) : Cell(),
+               is_timed ? Cell(times) : Cell()});
+    if (!is_timed && counts[c] != 1) {
+      table.notes.push_back(std::to_string(counts[c]) + " threads, " +
+                            work.name +
+                            ": not measurable now, other programs take too "
+                            "much of the CPUs.");
     }
-    table.Add(std::move(row));
   }
 }
 
@@ -146,11 +142,9 @@ Tables RunThreads(Run& run) {
     table.notes.push_back(std::string("No thread can be started: ") +
                           error.what() + ".");
   }
+  run.threads = table;
   // The page has the answers alone.
-  if (run.is_page()) {
-    run.tables.push_back(table);
-    return {};
-  }
+  if (run.is_page()) return {};
   return {table};
 }
 

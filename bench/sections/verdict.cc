@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <optional>
-#include <string_view>
 #include <utility>
 
 #include "bench/base/text.h"
@@ -22,10 +19,6 @@ constexpr std::array<double, 7> kPercents = {0.1, 0.3,  1.0, 2.0,
                                              3.0, 10.0, 30.0};
 
 constexpr std::size_t kRepetitions = 6;
-
-double MedianOf(const std::vector<double>& values) {
-  return RangeOf(values).median;
-}
 
 // Two digits of a percentage: "0.84", "3.4", "12".
 std::string PercentText(double percent) {
@@ -52,76 +45,49 @@ std::string SizeText(const Ratio& size, std::span<const double> sizes) {
          ", " + EndText(size.high, sizes) + "]";
 }
 
-// "0.1 to 30 %"
-std::string MeasuredText(std::span<const double> sizes) {
-  return PercentText(sizes.front()) + " to " + PercentText(sizes.back()) + " %";
+constexpr const char* kOfSide = " of the world's side";
+
+// From which size on something is so.
+std::string FromText(const Ratio& from, std::span<const double> sizes) {
+  const bool is_never = from.low == kInfinity;
+  if (!is_never && from.high != 0.0) return SizeText(from, sizes) + kOfSide;
+  return std::string(is_never ? "(at no size" : "(at every size") +
+         " measured, " + PercentText(sizes.front()) + " to " +
+         PercentText(sizes.back()) + " %)";
 }
 
-std::string RatioText(const Ratio& ratio) {
-  return Fixed(ratio.median, 2) + " [" + Fixed(ratio.low, 2) + ", " +
-         Fixed(ratio.high, 2) + "]";
-}
-
-std::string WinnerText(const Ratio& box_over_simplex) {
-  const Winner winner = WinnerOf(box_over_simplex);
-  return winner == Winner::kNone
-             ? std::string("no difference")
-             : "the " + std::string(NameOf(winner)) + " is faster";
-}
-
-// "  AVX2, 8       "
-std::string Indented(const std::string& name) {
-  constexpr std::size_t kWidth = 14;
-  return "  " + name +
-         std::string(name.size() < kWidth ? kWidth - name.size() : 1, ' ');
-}
-
-std::string WithExactTests(double exact_ns) {
-  return "With an exact test of " + Fixed(exact_ns, exact_ns < 9.5 ? 1 : 0) +
-         " ns for each survivor, ";
-}
-
-std::vector<double> SizesOf(const Verdict& verdict) {
+std::vector<std::string> LeadOf(const Verdict& verdict, double exact_ns) {
   std::vector<double> sizes;
   for (const VerdictWorld& world : verdict.worlds()) {
     sizes.push_back(world.percent);
   }
-  return sizes;
-}
-
-std::vector<std::string> LeadOf(const Verdict& verdict, double exact_ns) {
-  const std::size_t best = verdict.best_column();
-  const std::vector<double> sizes = SizesOf(verdict);
-  const auto ratio = [&](std::size_t c, double ns) {
-    return RatioRow{verdict.columns()[c].name,
-                    verdict.worlds()[0].BoxOverSimplex(c, ns)};
-  };
-  const auto with = [](std::vector<std::string> lines,
-                       std::vector<std::string> more) {
-    std::move(more.begin(), more.end(), std::back_inserter(lines));
-    return lines;
-  };
-  if (verdict.is_of_file()) {
-    std::vector<RatioRow> ratios;
-    for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
-      ratios.push_back(ratio(c, 0.0));
+  // "  AVX2, 8       " and what is measured of it.
+  const auto line = [&](std::size_t c, bool is_exact) {
+    constexpr std::size_t kWidth = 16;
+    std::string name = "  " + verdict.columns()[c].name + " ";
+    name.resize(std::max(kWidth, name.size()), ' ');
+    if (verdict.is_of_file()) {
+      return name + RatioText(verdict.worlds()[0].BoxOverSimplex(
+                        c, is_exact ? exact_ns : 0.0));
     }
-    return with(RatioLead(ratios),
-                ExactRatioLead(ratio(best, exact_ns), exact_ns));
-  }
-  std::vector<LeadRow> rows;
+    const Crossings crossings = verdict.CrossingsOf(c, is_exact);
+    return name + (is_exact ? BoxAgainText(crossings, sizes)
+                            : SimplexText(crossings, sizes));
+  };
+  std::vector<std::string> lines = {
+      verdict.is_of_file()
+          ? "The box scan takes so many times as long as the simplex scan:"
+          : "The simplex scan is faster than the box scan for objects larger "
+            "than"};
   for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
-    rows.push_back({verdict.columns()[c].name, verdict.CrossingsOf(c)});
+    lines.push_back(line(c, false));
   }
-  return with(SizeLead(rows, sizes),
-              ExactLead({rows[best].name, verdict.CrossingsWithExact(best)},
-                        sizes, exact_ns));
-}
-
-// A size; nothing if it lies beyond those that were measured.
-Cell CellOf(const Ratio& size) {
-  if (std::isfinite(size.median) && size.median != 0.0) return Cell(size);
-  return {};
+  lines.push_back(
+      "With an exact test of " + Fixed(exact_ns, exact_ns < 9.5 ? 1 : 0) +
+      " ns for each survivor" +
+      (verdict.is_of_file() ? ":" : ", the box is faster again from"));
+  lines.push_back(line(verdict.best_column(), true));
+  return lines;
 }
 
 // The ratios of each world and column.
@@ -155,9 +121,10 @@ Table TableOf(const Verdict& verdict, std::string name, std::string title,
   Chart chart{"size", {}, "", true, true};
   for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
     chart.y.push_back(verdict.columns()[c].name);
-    const Ratio from = verdict.CrossingsOf(c).from;
-    if (exact_ns == 0.0 && CellOf(from).value) {
-      chart.marks.push_back({chart.y.back(), from.median});
+    // Unless it lies beyond the sizes that were measured.
+    const double from = verdict.CrossingsOf(c, false).from.median;
+    if (exact_ns == 0.0 && from > 0.0 && std::isfinite(from)) {
+      chart.marks.push_back({chart.y.back(), from});
     }
   }
   table.chart = std::move(chart);
@@ -166,16 +133,18 @@ Table TableOf(const Verdict& verdict, std::string name, std::string title,
 
 // What the marks and the ranges of so many cells promise.
 std::string PromiseText(const Verdict& verdict, std::size_t cells) {
+  const std::size_t groups = verdict.groups();
   const double pages =
-      1.0 / (FalseWinnerChance(verdict.groups()) * static_cast<double>(cells));
+      1.0 / (FalseWinnerChance(groups) * static_cast<double>(cells));
   return "*: the simplex is faster. =: no difference. [ ]: range of " +
-         std::to_string(verdict.groups()) +
-         " groups without the least and the greatest. It covers the median of "
-         "another run in " +
-         Fixed(100.0 * (1.0 - MissedMedianChance(verdict.groups())), 0) +
+         std::to_string(groups) + " groups" +
+         (LeftOutOf(groups) == 0 ? "" : " without the least and the greatest") +
+         ". It covers the median of another run in " +
+         Fixed(100.0 * (1.0 - MissedMedianChance(groups)), 0) +
          " % of the cases. If nothing differed, one of " +
-         Grouped(static_cast<std::size_t>(pages)) + " reports of " +
-         std::to_string(cells) + " ratios would name a winner. Timed with " +
+         Grouped(static_cast<std::size_t>(std::max(1.0, pages))) +
+         " reports of " + std::to_string(cells) +
+         " ratios would name a winner. Timed with " +
          Grouped(verdict.queries()) + " different queries.";
 }
 
@@ -223,7 +192,7 @@ double BestTime(std::span<const std::vector<double>> samples) {
          i += 2) {
       some.push_back(all[i]);
     }
-    return MedianOf(some);
+    return RangeOf(some).median;
   };
   double sum = 0.0;
   for (std::size_t chosen_in : {0, 1}) {
@@ -252,9 +221,7 @@ PerShape<double> VerdictWorld::MeanSurvivors() const {
   PerShape<double> means;
   const auto groups = static_cast<double>(survivors.size());
   for (const PerShape<double>& each : survivors) {
-    means.aabb += each.aabb / groups;
-    means.simplex += each.simplex / groups;
-    means.aabo += each.aabo / groups;
+    for (ShapeKind shape : kShapes) means.Of(shape) += each.Of(shape) / groups;
   }
   return means;
 }
@@ -270,60 +237,31 @@ Ratio VerdictWorld::BoxOverSimplex(std::size_t column, double exact_ns) const {
   return GroupRange(ratios);
 }
 
-std::vector<std::string> SizeLead(const std::vector<LeadRow>& rows,
-                                  std::span<const double> sizes) {
-  std::vector<std::string> lines = {
-      "The simplex scan is faster than the box scan for objects larger than"};
-  bool is_first = true;
-  for (const LeadRow& row : rows) {
-    const Ratio& from = row.sizes.from;
-    const Ratio& to = row.sizes.to;
-    std::string text;
-    if (from.low == kInfinity) {
-      text = "(at no size measured, " + MeasuredText(sizes) + ")";
-    } else if (from.high == 0.0 && to.low == kInfinity) {
-      text = "(at every size measured, " + MeasuredText(sizes) + ")";
-    } else {
-      text = SizeText(from, sizes);
-      if (std::exchange(is_first, false)) text += " of the world's side";
-      if (to.median < kInfinity) text += ", up to " + SizeText(to, sizes);
-    }
-    lines.push_back(Indented(row.name) + text);
+std::string SimplexText(const Crossings& crossings,
+                        std::span<const double> sizes) {
+  const Ratio& to = crossings.to;
+  // A range that ends below all sizes is none.
+  if (to.median == kInfinity || crossings.from.low == kInfinity) {
+    return FromText(crossings.from, sizes);
   }
-  return lines;
+  return SizeText(crossings.from, sizes) + kOfSide + ", up to " +
+         SizeText(to, sizes);
 }
 
-std::vector<std::string> ExactLead(const LeadRow& row,
-                                   std::span<const double> sizes,
-                                   double exact_ns) {
-  const Ratio& to = row.sizes.to;
-  const std::string of = " (" + row.name + ").";
-  const std::string text = WithExactTests(exact_ns) + "the box is ";
-  if (row.sizes.from.low == kInfinity || to.high == 0.0) {
-    return {text + "faster",
-            "at every size measured, " + MeasuredText(sizes) + of};
-  }
-  if (to.low == kInfinity) {
-    return {text + "not faster again",
-            "up to " + PercentText(sizes.back()) + " %" + of};
-  }
-  return {text + "faster again", "from " + SizeText(to, sizes) + " on" + of};
+std::string BoxAgainText(const Crossings& crossings,
+                         std::span<const double> sizes) {
+  const bool is_always =
+      crossings.from.low == kInfinity || crossings.to.high == 0.0;
+  return FromText(is_always ? Ratio{} : crossings.to, sizes);
 }
 
-std::vector<std::string> RatioLead(const std::vector<RatioRow>& rows) {
-  std::vector<std::string> lines = {
-      "The box scan takes so many times as long as the simplex scan:"};
-  for (const RatioRow& row : rows) {
-    lines.push_back(Indented(row.name) + RatioText(row.box_over_simplex) +
-                    ": " + WinnerText(row.box_over_simplex));
-  }
-  return lines;
-}
-
-std::vector<std::string> ExactRatioLead(const RatioRow& row, double exact_ns) {
-  return {WithExactTests(exact_ns) + "it takes",
-          RatioText(row.box_over_simplex) + " times as long: " +
-              WinnerText(row.box_over_simplex) + " (" + row.name + ")."};
+std::string RatioText(const Ratio& ratio) {
+  const Winner winner = WinnerOf(ratio);
+  return Fixed(ratio.median, 2) + " [" + Fixed(ratio.low, 2) + ", " +
+         Fixed(ratio.high, 2) + "]: " +
+         (winner == Winner::kNone
+              ? std::string("no difference")
+              : "the " + std::string(NameOf(winner)) + " is faster");
 }
 
 // What is measured at one size, for one group.
@@ -356,8 +294,7 @@ Verdict::Verdict(Run& run) : best_target_(run.best()), effort_(run.effort) {
     world.times.resize(columns_.size());
     worlds_.push_back(std::move(world));
   }
-  spans_.resize(columns_.size());
-  spans_with_exact_.resize(columns_.size());
+  for (Spans& spans : spans_) spans.resize(columns_.size());
 }
 
 Verdict::~Verdict() = default;
@@ -365,10 +302,11 @@ Verdict::~Verdict() = default;
 // Queries go on where the group before has ended: those of a scene are drawn
 // anew, like its objects.
 Verdict::Place Verdict::MakePlace(Run& run, double percent) const {
+  const std::size_t of_groups = run.VerdictGroups();
   Place place;
   if (percent == 0.0) {
     const std::vector<Aabo3>& all = run.input()->timed_queries;
-    const std::size_t count = (all.size() + kGroups - 1) / kGroups;
+    const std::size_t count = (all.size() + of_groups - 1) / of_groups;
     std::vector<Aabo3> queries;
     for (std::size_t q = 0; q < count; ++q) {
       queries.push_back(all[(groups_ * count + q) % all.size()]);
@@ -383,15 +321,15 @@ Verdict::Place Verdict::MakePlace(Run& run, double percent) const {
     place.set = std::make_unique<WorkingSet>(
         SceneOfSize(percent / 100.0, size_.objects,
                     run.options.seed + 1'000'003 * groups_,
-                    (all + kGroups - 1) / kGroups),
+                    (all + of_groups - 1) / of_groups),
         size_);
   }
   for (const Aabo3& query : place.set->queries()) {
     AddSurvivors(place.set->view(), query, place.survivors);
   }
-  for (double* sum : {&place.survivors.aabb, &place.survivors.simplex,
-                      &place.survivors.aabo}) {
-    *sum /= static_cast<double>(place.set->queries().size());
+  for (ShapeKind shape : kShapes) {
+    place.survivors.Of(shape) /=
+        static_cast<double>(place.set->queries().size());
   }
   return place;
 }
@@ -442,11 +380,9 @@ void Verdict::FindSpans(Run& run, std::map<double, Place>& places) {
                cost(timed[c].simplex, survivors.simplex);
       });
     };
-    spans_[c].push_back(find(0.0));
-    // The page has one sentence of exact tests.
-    if (!run.is_page() || columns_[c].target == best_target_) {
-      spans_with_exact_[c].push_back(find(exact_ns));
-    }
+    spans_[0][c].push_back(find(0.0));
+    // The lead has one line of exact tests.
+    if (c == best_column()) spans_[1][c].push_back(find(exact_ns));
   }
 }
 
@@ -481,26 +417,14 @@ std::size_t Verdict::best_column() const {
   return best;
 }
 
-namespace {
-
-Crossings RangesOf(const std::vector<SizeSpan>& spans) {
+Crossings Verdict::CrossingsOf(std::size_t column, bool with_exact) const {
   std::vector<double> from;
   std::vector<double> to;
-  for (const SizeSpan& span : spans) {
+  for (const SizeSpan& span : spans_[with_exact ? 1 : 0][column]) {
     from.push_back(span.from);
     to.push_back(span.to);
   }
   return {GroupRange(from), GroupRange(to)};
-}
-
-}  // namespace
-
-Crossings Verdict::CrossingsOf(std::size_t column) const {
-  return RangesOf(spans_[column]);
-}
-
-Crossings Verdict::CrossingsWithExact(std::size_t column) const {
-  return RangesOf(spans_with_exact_[column]);
 }
 
 Tables RunVerdict(Run& run) {

@@ -92,24 +92,15 @@ struct Crossings {
   Ratio to;
 };
 
-// The first lines of the report. `sizes` are in percent and ascend.
-struct LeadRow {
-  std::string name;
-  Crossings sizes;
-};
-std::vector<std::string> SizeLead(const std::vector<LeadRow>& rows,
-                                  std::span<const double> sizes);
-std::vector<std::string> ExactLead(const LeadRow& row,
-                                   std::span<const double> sizes,
-                                   double exact_ns);
-
-// Those of a file, which has objects of one kind.
-struct RatioRow {
-  std::string name;
-  Ratio box_over_simplex;
-};
-std::vector<std::string> RatioLead(const std::vector<RatioRow>& rows);
-std::vector<std::string> ExactRatioLead(const RatioRow& row, double exact_ns);
+// What the first lines of the report say of a column: from which size on the
+// simplex is faster, and from which the box again. `sizes` are those measured,
+// in percent and ascending.
+std::string SimplexText(const Crossings& crossings,
+                        std::span<const double> sizes);
+std::string BoxAgainText(const Crossings& crossings,
+                         std::span<const double> sizes);
+// Of a file, which has objects of one kind.
+std::string RatioText(const Ratio& box_over_simplex);
 
 class Verdict {
  public:
@@ -127,9 +118,8 @@ class Verdict {
   const std::vector<VerdictWorld>& worlds() const { return worlds_; }
   bool is_of_file() const { return worlds_.front().percent == 0.0; }
   std::size_t objects_of_file() const { return objects_of_file_; }
-  // Where the simplex is faster, without exact tests and with them.
-  Crossings CrossingsOf(std::size_t column) const;
-  Crossings CrossingsWithExact(std::size_t column) const;
+  // Where the simplex is faster; with exact tests of the best column alone.
+  Crossings CrossingsOf(std::size_t column, bool with_exact) const;
   // Different queries in each cell.
   std::size_t queries() const { return queries_; }
 
@@ -148,8 +138,7 @@ class Verdict {
   Target best_target_;
   std::vector<VerdictColumn> columns_;
   std::vector<VerdictWorld> worlds_;
-  Spans spans_;
-  Spans spans_with_exact_;
+  std::array<Spans, 2> spans_;  // without exact tests, and with them
   // Those of the rows are new in each group, and stay: where a world lies in
   // memory changes its time by more than a group's repetitions do, and differs
   // between runs.

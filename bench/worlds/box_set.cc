@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "bench/worlds/random.h"
 
@@ -176,17 +175,5 @@ template BoxSet<2> MakeUniformBoxes<2>(const std::string&, std::size_t, float,
                                        std::uint64_t);
 template BoxSet<3> MakeUniformBoxes<3>(const std::string&, std::size_t, float,
                                        std::uint64_t);
-
-BoxSet<3> BoxesOf(std::string name, const Workload& workload) {
-  BoxSet<3> set{std::move(name), {}, {}};
-  for (std::size_t i = 0; i < workload.objects.size(); ++i) {
-    set.boxes.push_back(workload.objects.Get(i).aabb());
-  }
-  const std::vector<Aabo3>& queries = workload.timed_queries;
-  for (std::size_t i = 0; i < kTimedQueries; ++i) {
-    set.queries.push_back(queries[i % queries.size()].aabb());
-  }
-  return set;
-}
 
 }  // namespace halfspace::bench

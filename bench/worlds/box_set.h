@@ -36,10 +36,6 @@ struct SkewedWorld {
 };
 std::span<const SkewedWorld> SkewedWorlds();
 
-// The boxes of a workload, and those of its queries to time; these again and
-// again if they are fewer than kTimedQueries.
-BoxSet<3> BoxesOf(std::string name, const Workload& workload);
-
 }  // namespace halfspace::bench
 
 #endif  // HALFSPACE_BENCH_WORLDS_BOX_SET_H_

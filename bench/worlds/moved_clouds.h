@@ -30,8 +30,6 @@ class MovedClouds {
     }
   }
 
-  const std::vector<Cloud>& clouds() const { return clouds_; }
-
   // Makes those that follow larger or smaller.
   void Scale(float factor) {
     for (Cloud& cloud : clouds_) {

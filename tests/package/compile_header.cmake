@@ -8,18 +8,6 @@ file(WRITE "${source}" "#include \"${HEADER}\"\n#include \"${HEADER}\"\n")
 list(REMOVE_ITEM INCLUDES "")
 list(TRANSFORM INCLUDES PREPEND "-I")
 
-execute_process(COMMAND ${COMPILER} ${INCLUDES} "${source}" -std=c++17
-                        -M -MF "${dependencies}"
-                COMMAND_ERROR_IS_FATAL ANY)
-file(READ "${dependencies}" files)
-string(FIND "${files}" "${HEADER}" found)
-if(found EQUAL -1)
-  message(FATAL_ERROR "${dependencies} does not list ${HEADER} itself")
-endif()
-if(files MATCHES "[^ \n]*/hwy/[^ \n]*")
-  message(FATAL_ERROR "${HEADER} includes Highway: ${CMAKE_MATCH_0}")
-endif()
-
 # What compiles alone as C++17, and as C++20 by halfspace.h, which includes all headers
 # but these, compiles alone as C++20.
 set(standards c++17)
@@ -37,9 +25,18 @@ foreach(standard IN LISTS standards)
   execute_process(
     COMMAND ${COMPILER} ${INCLUDES} -x ${language} "${source}" -std=${standard}
             -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Werror
-            -c -o "${OUTPUT}.o"
+            -fsyntax-only -MD -MF "${dependencies}"
     RESULT_VARIABLE result)
   if(result)
     message(FATAL_ERROR "${HEADER} does not compile alone as ${standard}")
   endif()
 endforeach()
+
+file(READ "${dependencies}" files)
+string(FIND "${files}" "${HEADER}" found)
+if(found EQUAL -1)
+  message(FATAL_ERROR "${dependencies} does not list ${HEADER} itself")
+endif()
+if(files MATCHES "[^ \n]*/hwy/[^ \n]*")
+  message(FATAL_ERROR "${HEADER} includes Highway: ${CMAKE_MATCH_0}")
+endif()

@@ -165,11 +165,11 @@ set_tests_properties(package.shared.exports package.shared.exports.control
   package.shared.symbols package.shared.symbols.control
   PROPERTIES LABELS package FIXTURES_REQUIRED package.shared)
 
-# A project that includes the sources, with one number of dimensions.
+# A project that includes the sources. The README's lines build it.
 add_nested_build_test(package.subproject
   "${CMAKE_CURRENT_SOURCE_DIR}/subproject"
   OPTIONS ${nested_library_options} "-DHALFSPACE_SOURCES=${PROJECT_SOURCE_DIR}"
-    -DHALFSPACE_DIMS=3
+  TARGET help
   COMMAND ${nested_ctest})
 
 # Without an option there is only the library, which needs nothing but Highway.

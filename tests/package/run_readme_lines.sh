@@ -3,8 +3,9 @@
 # of readme_lines.sh in FOLDER, except the line of apt. The last one must print EXPECTED.
 # For Python, the sources are those of a source distribution (MANIFEST.in), and a wheel is
 # installed after the lines.
-# If EXPECTED is empty, runs only the lines of cmake. `cmake --install` writes to
-# FOLDER/root. With CMAKE OPTIONs, the build is configured with them before.
+# For C++, the library is built as a part of another project (subproject), with these CMAKE
+# OPTIONs. `cmake --install` writes to FOLDER/root. If EXPECTED is empty, runs only the
+# lines of cmake.
 set -euo pipefail
 language=$1
 sources=$2
@@ -23,9 +24,11 @@ if [ "$language" = python ]; then
   mkdir halfspace
   tar -xzf sdist/*.tar.gz -C halfspace --strip-components=1
 else
-  ln -s "$sources" halfspace
+  mkdir halfspace
+  cp "$sources/tests/package/subproject/CMakeLists.txt" halfspace
+  ln -s "$sources/examples" halfspace
+  cmake -S halfspace -B build "$@" "-DHALFSPACE_SOURCES=$sources" -DHALFSPACE_INSTALL=ON
 fi
-if [ $# -gt 0 ]; then cmake -S halfspace -B build "$@"; fi
 export DESTDIR="$folder/root"
 local=$DESTDIR/usr/local
 export PKG_CONFIG_PATH="$local/lib/pkgconfig:$local/lib64/pkgconfig"

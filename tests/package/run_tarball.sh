@@ -78,5 +78,4 @@ if [ ! -s share/man/man1/cpuinfo-bench.1 ]; then
   exit 1
 fi
 
-"$@" bin/cpuinfo-bench --version
-"$@" bin/cpuinfo-bench --details machine,tier --objects 4096 --queries 2 --repetitions 1
+"$@" bin/cpuinfo-bench --details quality --objects 4096 --queries 2

@@ -169,98 +169,62 @@ TEST(CrossingTest, MeasuresMoreSizesNearIt) {
   EXPECT_NEAR(measured.back(), 1.0, 0.1);
 }
 
-using Lines = std::vector<std::string>;
 const std::vector<double> kLeadSizes = {0.1, 1.0, 30.0};
 const Ratio kAbove = {kInfinity, kInfinity, kInfinity};  // beyond 30 %
 const Ratio kBelow = {0.0, 0.0, 0.0};                    // below 0.1 %
 
-TEST(LeadTest, NamesTheSizeOfEachTarget) {
+TEST(LeadTest, NamesTheSizesOfATarget) {
+  const Ratio one = {1.0, 0.9, 1.1};
   struct Row {
-    Crossings sizes;
-    std::string expected;
+    Crossings crossings;
+    std::string simplex;
+    std::string box_again;
   };
+  const std::string of = " of the world's side";
+  const std::string every = "(at every size measured, 0.1 to 30 %)";
+  const std::string none = "(at no size measured, 0.1 to 30 %)";
   for (const Row& row : std::vector<Row>{
-           {{{3.41, 3.06, 3.8}, kAbove},
-            "3.4 % [3.1, 3.8] of the world's side"},
-           {{{0.842, 0.7, 1.0}, kAbove}, "0.84 % [0.7, 1] of the world's side"},
-           {{{0.15, 0.0, 0.2}, kAbove},
-            "0.15 % [< 0.1, 0.2] of the world's side"},
-           {{{0.0, 0.0, 0.2}, kAbove},
-            "< 0.1 % [< 0.1, 0.2] of the world's side"},
-           {{{12.3, 9.9, kInfinity}, kAbove},
-            "12 % [9.9, > 30] of the world's side"},
-           {{{1.0, 0.9, 1.1}, {20.0, 15.0, 25.0}},
-            "1 % [0.9, 1.1] of the world's side, up to 20 % [15, 25]"},
-           {{kBelow, kAbove}, "(at every size measured, 0.1 to 30 %)"},
-           {{kAbove, kBelow}, "(at no size measured, 0.1 to 30 %)"}}) {
-    EXPECT_EQ(SizeLead({{"AVX2, 8", row.sizes}}, kLeadSizes),
-              (Lines{"The simplex scan is faster than the box scan for objects "
-                     "larger than",
-                     "  AVX2, 8       " + row.expected}));
+           {{{3.41, 3.06, 3.8}, kAbove}, "3.4 % [3.1, 3.8]" + of, none},
+           {{{0.842, 0.7, 1.0}, kAbove}, "0.84 % [0.7, 1]" + of, none},
+           {{{0.15, 0.0, 0.2}, kAbove}, "0.15 % [< 0.1, 0.2]" + of, none},
+           {{{0.0, 0.0, 0.2}, kAbove}, "< 0.1 % [< 0.1, 0.2]" + of, none},
+           {{{12.3, 9.9, kInfinity}, kAbove}, "12 % [9.9, > 30]" + of, none},
+           {{one, {20.0, 15.0, 25.0}},
+            "1 % [0.9, 1.1]" + of + ", up to 20 % [15, 25]",
+            "20 % [15, 25]" + of},
+           {{one, {6.04, 5.2, 7.1}},
+            "1 % [0.9, 1.1]" + of + ", up to 6 % [5.2, 7.1]",
+            "6 % [5.2, 7.1]" + of},
+           {{kBelow, kAbove}, every, none},
+           {{kAbove, kBelow}, none, every}}) {
+    EXPECT_EQ(SimplexText(row.crossings, kLeadSizes), row.simplex);
+    EXPECT_EQ(BoxAgainText(row.crossings, kLeadSizes), row.box_again);
   }
 }
 
 // 24 runs differed in one cell of a table, near the size at which both bounds
 // take the same time, and their first line said "on no target", "from 4 lanes
 // on", "from 8" or "from 16". Now a cell that is a tie, or that is not, moves
-// the size by a few per cent and changes no word.
-TEST(LeadTest, DoesNotFlipWithOneCell) {
-  const auto lead = [](double ratio_at_1_percent) {
+// the size by a few per cent.
+TEST(CrossingTest, MovesLittleWithOneCell) {
+  const std::vector<double> sizes = {0.1, 0.3, 1.0, 3.0, 10.0, 30.0};
+  for (double ratio_at_1_percent : {0.995, 1.005}) {
     const Curve curve{{{0.1, 0.8},
                        {0.3, 0.9},
                        {1.0, ratio_at_1_percent},
                        {3.0, 1.4},
                        {30.0, 1.5}}};
-    const std::vector<double> sizes = {0.1, 0.3, 1.0, 3.0, 10.0, 30.0};
-    const double from = FindSpan(sizes, curve).from;
-    EXPECT_NEAR(from, 1.0, 0.1) << ratio_at_1_percent;
-    return SizeLead({{"AVX2, 8", {{1.0, 0.9, 1.1}, kAbove}}}, sizes);
-  };
-  EXPECT_EQ(lead(0.995), lead(1.005));
-}
-
-TEST(LeadTest, SaysFromWhereTheBoxIsFasterAgain) {
-  struct Row {
-    Crossings sizes;
-    double exact_ns;
-    Lines expected;
-  };
-  const Ratio one = {1.0, 0.9, 1.1};
-  for (const Row& row : std::vector<Row>{
-           {{one, {6.04, 5.2, 7.1}},
-            30.2,
-            {"With an exact test of 30 ns for each survivor, the box is faster "
-             "again",
-             "from 6 % [5.2, 7.1] on (AVX2, 8)."}},
-           {{one, kAbove},
-            2.34,
-            {"With an exact test of 2.3 ns for each survivor, the box is not "
-             "faster again",
-             "up to 30 % (AVX2, 8)."}},
-           {{kAbove, kBelow},
-            500.0,
-            {"With an exact test of 500 ns for each survivor, the box is "
-             "faster",
-             "at every size measured, 0.1 to 30 % (AVX2, 8)."}}}) {
-    EXPECT_EQ(ExactLead({"AVX2, 8", row.sizes}, kLeadSizes, row.exact_ns),
-              row.expected);
+    EXPECT_NEAR(FindSpan(sizes, curve).from, 1.0, 0.1) << ratio_at_1_percent;
   }
 }
 
 // "The simplex wins on no target" stood above "AVX2: the simplex wins".
 TEST(LeadTest, OfAFileSaysWhatItsRowsSay) {
-  EXPECT_EQ(
-      RatioLead({{"scalar", {0.7, 0.65, 0.8}},
-                 {"SSE4.2, 4", {1.01, 0.98, 1.03}},
-                 {"AVX2, 8", {1.15, 1.11, 1.16}}}),
-      (Lines{"The box scan takes so many times as long as the simplex scan:",
-             "  scalar        0.70 [0.65, 0.80]: the box is faster",
-             "  SSE4.2, 4     1.01 [0.98, 1.03]: no difference",
-             "  AVX2, 8       1.15 [1.11, 1.16]: the simplex is faster"}));
-  EXPECT_EQ(ExactRatioLead({"AVX2, 8", {0.9, 0.85, 0.95}}, 9.0),
-            (Lines{"With an exact test of 9.0 ns for each survivor, it takes",
-                   "0.90 [0.85, 0.95] times as long: the box is faster (AVX2, "
-                   "8)."}));
+  EXPECT_EQ(RatioText({0.7, 0.65, 0.8}),
+            "0.70 [0.65, 0.80]: the box is faster");
+  EXPECT_EQ(RatioText({1.01, 0.98, 1.03}), "1.01 [0.98, 1.03]: no difference");
+  EXPECT_EQ(RatioText({1.15, 1.11, 1.16}),
+            "1.15 [1.11, 1.16]: the simplex is faster");
 }
 
 }  // namespace

@@ -2,23 +2,15 @@
 # in C++20 is a library of its own.
 
 function(add_consumer name library)
-  add_library(${name}_cxx20 STATIC "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/cxx20.cc")
-  set_target_properties(${name}_cxx20 PROPERTIES CXX_STANDARD 20)
+  if(NOT TARGET cxx20)
+    add_library(cxx20 STATIC "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/cxx20.cc")
+    set_target_properties(cxx20 PROPERTIES CXX_STANDARD 20)
+    target_link_libraries(cxx20 PRIVATE ${library})
+    target_compile_options(cxx20 PRIVATE -Wall -Wextra -Werror)
+  endif()
   add_executable(${name} "${CMAKE_CURRENT_FUNCTION_LIST_DIR}/main.cc")
   set_target_properties(${name} PROPERTIES CXX_STANDARD 17)
-  target_link_libraries(${name} PRIVATE ${name}_cxx20)
-  foreach(target IN ITEMS ${name}_cxx20 ${name})
-    target_link_libraries(${target} PRIVATE ${library})
-    target_compile_options(${target} PRIVATE -Wall -Wextra -Werror ${ARGN})
-  endforeach()
+  target_link_libraries(${name} PRIVATE cxx20 ${library})
+  target_compile_options(${name} PRIVATE -Wall -Wextra -Werror ${ARGN})
   add_test(NAME ${name} COMMAND ${name})
-endfunction()
-
-# With flags that change the standard library's types, or how much of it is inlined:
-# none of them may matter to the library.
-function(add_consumers_of_other_flags library)
-  add_consumer(no_exceptions_no_rtti ${library} -fno-exceptions -fno-rtti)
-  add_consumer(debug_containers ${library} -O0 -D_GLIBCXX_DEBUG)
-  add_consumer(assertions ${library} -O3 -D_GLIBCXX_ASSERTIONS)
-  add_consumer(old_strings ${library} -O1 -D_GLIBCXX_USE_CXX11_ABI=0)
 endfunction()
