@@ -278,26 +278,17 @@ def _rows(chunk, name: str, where: str) -> np.ndarray:
 # Partitions.
 
 
-@dataclasses.dataclass(frozen=True)
-class _Splits:
-    """A k-d tree. Points below `value` on `axis` go to `low`, the others to `high`: a
-    node, or if it is negative the partition -1 - child."""
-
-    nodes: list
-
-    def partitions_of(self, points: np.ndarray) -> np.ndarray:
-        partitions = np.zeros(len(points), np.int64)
-        work = [(0, np.arange(len(points)))] if self.nodes else []
-        while work:
-            node, rows = work.pop()
-            axis, value, low, high = self.nodes[node]
-            is_low = points[rows, axis] < value
-            for child, some in ((low, rows[is_low]), (high, rows[~is_low])):
-                if child < 0:
-                    partitions[some] = -1 - child
-                elif len(some):
-                    work.append((child, some))
-        return partitions
+def _partitions_of(splits, points: np.ndarray) -> np.ndarray:
+    """The partition of each point. Splits are the number of a partition, or a tuple: points
+    below `value` on `axis` go to the splits `low`, and the others to `high`."""
+    if not isinstance(splits, tuple):
+        return np.full(len(points), splits)
+    axis, value, low, high = splits
+    is_low = points[:, axis] < value
+    partitions = np.empty(len(points), np.int64)
+    partitions[is_low] = _partitions_of(low, points[is_low])
+    partitions[~is_low] = _partitions_of(high, points[~is_low])
+    return partitions
 
 
 def _centers(boxes: np.ndarray) -> np.ndarray:
@@ -309,13 +300,13 @@ def _centers(boxes: np.ndarray) -> np.ndarray:
         return boxes[:, :dims] / 2 + boxes[:, dims:] / 2
 
 
-def _split_sample(boxes, stands_for, partitions: int, by_pairs: bool) -> _Splits:
+def _split_sample(boxes, stands_for, partitions: int, by_pairs: bool):
     """Splits a sample into partitions of about equal work. By pairs, half of the weight
     of a box is for the objects that it stands for, and half for their pairs. So no
     partition has more than twice its share of either, as far as the sample tells."""
     dims = boxes.shape[1] // 2
     if partitions == 1:
-        return _Splits([])
+        return 0
     # Not empty boxes. Those with a NaN are errors, which the build reports.
     some = (boxes[:, :dims] <= boxes[:, dims:]).all(axis=1)
     boxes, stands_for = boxes[some], stands_for[some]
@@ -323,36 +314,30 @@ def _split_sample(boxes, stands_for, partitions: int, by_pairs: bool) -> _Splits
     if by_pairs:
         pairs = (hs.BVH(boxes).count(boxes) - 1) * stands_for
         weights = weights / 2 + pairs / max(1, pairs.sum()) / 2
-    return _split_at_medians(_centers(boxes), weights, partitions)
+    centers = _centers(boxes)
+    some = np.isfinite(centers).all(axis=1)
+    return _split_at_medians(centers[some], weights[some], 0, partitions)
 
 
-def _split_at_medians(points, weights, partitions: int) -> _Splits:
-    """Splits points into partitions of about equal weight, at the weighted median of
-    the widest axis. Its width is that between the 5th and the 95th percentile: a few
-    objects far away choose no axis."""
-    nodes: list = []
-    numbers = itertools.count()
-
-    def split(rows: np.ndarray, count: int) -> int:
-        if count == 1:
-            return -1 - next(numbers)
-        node = len(nodes)
-        nodes.append(None)
-        axis, value = 0, 0.0
-        if len(rows):
-            low, high = np.percentile(points[rows], (5, 95), axis=0)
-            axis = int(np.argmax(high - low))
-            rows = rows[np.argsort(points[rows, axis], kind="stable")]
-            sums = np.cumsum(weights[rows])
-            middle = np.searchsorted(sums, sums[-1] * (count // 2) / count)
-            value = float(points[rows[min(middle + 1, len(rows) - 1)], axis])
-        is_low = points[rows, axis] < value
-        low_child = split(rows[is_low], count // 2)
-        nodes[node] = (axis, value, low_child, split(rows[~is_low], count - count // 2))
-        return node
-
-    split(np.flatnonzero(np.isfinite(points).all(axis=1)), partitions)
-    return _Splits(nodes)
+def _split_at_medians(points, weights, first: int, count: int):
+    """Splits points into the partitions from `first` on, of about equal weight, at the
+    weighted median of the widest axis. Its width is that between the 5th and the 95th
+    percentile: a few objects far away choose no axis."""
+    if count == 1:
+        return first
+    axis, value = 0, 0.0
+    if len(points):
+        low, high = np.percentile(points, (5, 95), axis=0)
+        axis = int(np.argmax(high - low))
+        order = np.argsort(points[:, axis], kind="stable")
+        points, weights = points[order], weights[order]
+        sums = np.cumsum(weights)
+        middle = np.searchsorted(sums, sums[-1] * (count // 2) / count)
+        value = float(points[min(middle + 1, len(points) - 1), axis])
+    is_low = points[:, axis] < value
+    half = count // 2
+    return (axis, value, _split_at_medians(points[is_low], weights[is_low], first, half),
+            _split_at_medians(points[~is_low], weights[~is_low], first + half, count - half))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -498,7 +483,7 @@ def _sample(boxes, first: int, where: str, most: int):
 
 @dataclasses.dataclass(frozen=True)
 class _Plan:
-    splits: _Splits
+    splits: typing.Any
     offsets: list  # of rows
 
     @staticmethod
@@ -515,7 +500,7 @@ class _Plan:
 
 def _distribute(boxes, first: int, where: str, plan: _Plan) -> _Routed:
     boxes = _rows(boxes, "boxes", where)
-    partitions = plan.splits.partitions_of(_centers(boxes))
+    partitions = _partitions_of(plan.splits, _centers(boxes))
     return _Routed.to(partitions, np.arange(len(boxes)), boxes,
                       first + plan.offsets[first >> _BITS])
 
