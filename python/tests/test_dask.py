@@ -285,7 +285,7 @@ SOURCES = {
 
 
 @pytest.mark.parametrize("form, partitions", [(LAZY, 1), (LAZY, 17), (BATCHES, 3)],
-                         indirect=["form"])
+                         indirect=["form"], ids=["lazy-1", "lazy-17", "batches-3"])
 @pytest.mark.parametrize("source", SOURCES)
 def test_sources(form, tmp_path, source, partitions):
     rng = np.random.default_rng(14)
