@@ -446,7 +446,7 @@ def _sum_up(lengths: list) -> list:
 
 
 def _offsets(lengths: list) -> list:
-    """What is added to the numbers of rows of each chunk."""
+    """What makes (chunk << _BITS) + row the row of the whole collection."""
     return [first - (chunk << _BITS) for chunk, first in enumerate(_sum_up(lengths)[:-1])]
 
 
@@ -756,24 +756,24 @@ def _cluster() -> tuple[int, int]:
 
 
 class _Steps:
-    """The steps of searches, as lazy tasks or at once. add(function, *arguments) makes a
-    task. each(items, start) returns start(item) of each item."""
+    """The steps of searches. A subclass has add(function, *arguments), which makes a task,
+    and each(items, start), which returns start(item) of each item."""
 
     def each_chunk(self, source, function, *arguments):
-        """The tasks of the chunks, in which the number of a row has _BITS of the row."""
+        """Makes a task for each chunk: function(rows, chunk << _BITS, where, ...)."""
         return self.each(range(len(source.keys)), lambda chunk: self.add(
             function, self.rows_of(source, chunk), chunk << _BITS, source.where(chunk),
             *arguments))
 
     def borders(self, of, to, are_own):
-        """What the partitions of a tree send to those of another, or for its own pairs to
-        those after them."""
+        """Makes a task for each partition of a tree. It sends objects to the partitions of
+        another tree, or for pairs of one tree to the partitions after it."""
         return self.each(enumerate(of.partitions), lambda its: self.add(
             _route_border, its[1], to.top, its[0] if are_own else -1))
 
     def nearest(self, source, placed, k, max_distance):
-        """For each chunk what was sent to the nearest partitions, what these found, what
-        was sent on, and what was found of that."""
+        """Returns for each chunk what was sent to its nearest partitions, what these found,
+        what was sent on, and what the other partitions found."""
         def send_on(its):
             return *its, self.add(_send_on, *its, placed.top, k, max_distance)
 
@@ -823,9 +823,9 @@ class _Tasks(_Steps, dict):
         return [[self.add(_piece, key, p) for p, key in enumerate(keys)] for keys in blocks]
 
     def search(self, items, placed: _Placed, search, *arguments) -> list:
-        """Adds tasks that search(partition, piece, *arguments) for the last element of each
-        item, which was routed. Returns the items with one more element: the keys of all
-        that was found. It comes back to the chunks as the rows were sent."""
+        """Adds the tasks search(partition, piece, *arguments). The last element of an item
+        is the key of what is routed. Returns the items with one more element: the keys of
+        what is found. Results come back to their chunks as the rows were sent."""
         items, partitions = list(items), len(placed.partitions)
         found = [[self.add(search, partition, piece, *arguments)
                   for partition, piece in zip(placed.partitions, pieces)]
@@ -882,7 +882,7 @@ class _Runner(_Steps):
         return self.client.compute(_delayed(lazy, source.keys[chunk]))
 
     def search(self, items, placed: _Placed, search, *arguments):
-        """As that of _Tasks, with futures."""
+        """The same with futures, for the partitions that get rows."""
         def start(its):
             *_, routed = its
             _, partitions = self.add(_about_routed, routed).result()
@@ -892,7 +892,7 @@ class _Runner(_Steps):
         return self.each(items, start)
 
     def joins(self, pairs_in, routed, placed: _Placed, are_chunks: bool = True):
-        """Yields what pairs() needs for each partition that gets some of what was routed."""
+        """Yields the joins of pairs(), one for each partition that gets rows."""
         def about(one):
             return one, self.add(_about_routed, one)
 
@@ -906,8 +906,8 @@ class _Runner(_Steps):
 
     @staticmethod
     def by_row(futures):
-        """Yields the number of the first row of each chunk, and its results. The last one
-        of these is the number of rows, and left out."""
+        """Yields the number of the first row of each chunk, and its results. The last
+        result of a future is the number of rows."""
         first = 0
         for future in futures:
             *found, length = future.result()
