@@ -1,16 +1,17 @@
 #!/usr/bin/env python3
-"""Compares the module halfspace with other Python packages and with GEOS called from C,
-on one thread, after it has checked that all answers are the same.
+"""Compares the calls of the module halfspace with those of other Python packages and with
+GEOS called from C, on one thread. Each answer is checked before it is timed.
 
     python/bench/compare.py [--quick] [--repetitions R] [--out FILE.json]
 
 Needs the module halfspace, a C compiler, and Debian's python3-shapely (1.8), python3-rtree,
-python3-geopandas, python3-scipy and libgeos-dev. --quick takes a hundredth of
-the objects and one repetition.
+python3-geopandas, python3-scipy and libgeos-dev. --quick takes a hundredth of the objects
+and one repetition.
 """
 
 import argparse
 import ctypes
+import gc
 import os
 import pathlib
 import subprocess
@@ -28,13 +29,17 @@ import scipy
 import scipy.spatial
 import shapely
 import shapely.geometry
+import shapely.prepared
 import shapely.strtree
 
 import halfspace as hs
+import halfspace.geo
 import report
 
 SEED = 1
 CLUSTERS = 1000
+# Half the side of the squares in joins of points, and a distance: exact on the grid of `points`.
+SQUARE = 2.0 ** -10
 
 # Worlds: boxes as rows of min x, min y, max x, max y. All values are floats, in arrays of
 # doubles: every library gets the same numbers, and halfspace rounds none of them.
@@ -77,129 +82,27 @@ def mesh(rng, count, side):
     return as_floats(np.hstack([triangles.min(1), triangles.max(1)]))
 
 
-def points(rng, count, side):
+def points(rng, count, side=0):
     """Boxes of no size, or squares of two `side`: on a grid, so that floats are exact."""
     centers = rng.integers(1 << 20, size=(count, 2)) / (1 << 20)
     return np.hstack([centers - side, centers + side])
 
 
-# Half the side of the squares in the join of points: exact on the grid of `points`.
-SQUARE = 2.0 ** -10
-
-libc_free = ctypes.CDLL(None).free
-libc_free.argtypes = [ctypes.c_void_p]
-libc_free.restype = None
-
-
-# Libraries. `given` and `points` make what a caller of the library has before any call, which is
-# not timed: arrays, or geometries. `join` returns pairs in the form that is fastest for the
-# library, and `pairs` makes rows and ids of it, which is not timed either. `each` asks one query
-# a call.
+def bumps(count):
+    """About so many triangles of a sphere with bumps, of shape (n, 3, 3)."""
+    n = int(np.sqrt(count / 4))
+    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 2 * n + 1), np.linspace(0.02, np.pi - 0.02, n + 1))
+    radius = 1 + 0.1 * np.sin(9 * u) * np.sin(7 * v)
+    corners = radius[..., None] * np.stack(
+        [np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)], -1)
+    a, b, c, d = corners[:-1, :-1], corners[:-1, 1:], corners[1:, :-1], corners[1:, 1:]
+    triangles = np.stack([np.stack([a, b, c], -2), np.stack([b, d, c], -2)], -3)
+    return as_floats(triangles.reshape(-1, 3, 3))
 
 
-class Halfspace:
-    name = "halfspace"
-    given = staticmethod(lambda boxes: boxes)
-    build = staticmethod(hs.BVH)
-    join = staticmethod(hs.BVH.query)
-    pairs = staticmethod(lambda found: found)
-    each = staticmethod(lambda tree, boxes: [tree.query(box) for box in boxes])
-
-    @staticmethod
-    def points(boxes):
-        return np.ascontiguousarray(boxes[:, :2])
-
-    @staticmethod
-    def nearest(tree, points, k):
-        return tree.nearest(points, k=k)[0]
-
-
-class Scan(Halfspace):
-    name = "halfspace.Scan"
-    build = staticmethod(hs.Scan)
-
-
-def flat(lists):
-    rows = np.repeat(np.arange(len(lists)), [len(ids) for ids in lists])
-    return rows, np.array([i for ids in lists for i in ids], np.int64)
-
-
-class Shapely:
-    name = f"shapely {shapely.__version__}"
-    given = staticmethod(lambda boxes: [shapely.geometry.box(*box) for box in boxes.tolist()])
-    each = staticmethod(lambda tree, boxes: [tree.query_items(box) for box in boxes])
-    join = each
-    pairs = staticmethod(flat)
-
-    @staticmethod
-    def build(geometries):
-        tree = shapely.strtree.STRtree(geometries)
-        tree.query_items(geometries[0])  # the first query builds it
-        return tree
-
-    @staticmethod
-    def points(boxes):
-        return [shapely.geometry.Point(box[:2]) for box in boxes.tolist()]
-
-    @staticmethod
-    def nearest(tree, points, k):
-        return np.array([[tree.nearest_item(point)] for point in points])
-
-
-class Rtree:
-    name = f"rtree {rtree.__version__}"
-    given = points = staticmethod(lambda boxes: boxes.tolist())
-    each = staticmethod(lambda tree, boxes: [list(tree.intersection(box)) for box in boxes])
-    join = each
-    pairs = staticmethod(flat)
-
-    @staticmethod
-    def build(boxes):
-        # A stream, which is its bulk load.
-        return rtree.index.Index((i, box, None) for i, box in enumerate(boxes))
-
-    @staticmethod
-    def nearest(tree, points, k):
-        # More than k if some are equally far; the nearest are first.
-        return np.array([list(tree.nearest(point, k))[:k] for point in points])
-
-
-class Geopandas:
-    name = f"geopandas {geopandas.__version__}"
-    join = staticmethod(lambda frame, probes: geopandas.sjoin(probes, frame))
-
-    @staticmethod
-    def given(boxes):
-        return geopandas.GeoDataFrame(geometry=Shapely.given(boxes))
-
-    @staticmethod
-    def build(frame):
-        frame = frame.copy()  # without the index of the last time
-        frame.sindex
-        return frame
-
-    @staticmethod
-    def pairs(frame):
-        return frame.index.to_numpy(), frame["index_right"].to_numpy()
-
-
-class CkdTree:
-    name = f"scipy {scipy.__version__} cKDTree"
-    given = staticmethod(lambda boxes: (boxes[:, :2] + boxes[:, 2:]) / 2)
-    build = staticmethod(lambda centers: scipy.spatial.cKDTree(centers))
-    pairs = staticmethod(flat)
-
-    @staticmethod
-    def points(boxes):
-        return boxes[:, :2]
-
-    @staticmethod
-    def nearest(tree, points, k):
-        return tree.query(points, k=k)[1].reshape(-1, k)
-
-    @staticmethod
-    def join(tree, centers):
-        return tree.query_ball_point(centers, SQUARE, p=np.inf, return_sorted=False)
+libc = ctypes.CDLL(None)
+libc.free.argtypes = [ctypes.c_void_p]
+libc.free.restype = None
 
 
 class Geos:
@@ -218,8 +121,10 @@ class Geos:
                 ("geos_rectangles_free", None, (pointer,)),
                 ("geos_tree", pointer, (pointer,)),
                 ("geos_tree_free", None, (pointer, pointer)),
-                ("geos_join", integer, (pointer, pointer, pointer, pointer)),
-                ("geos_nearest", integer, (pointer, pointer, pointer, pointer))):
+                ("geos_join", integer, (pointer, pointer, pointer, ctypes.c_double, pointer,
+                                        pointer)),
+                ("geos_nearest", integer, (pointer, pointer, pointer, ctypes.c_int, pointer,
+                                           pointer))):
             function = getattr(self.c, name)
             function.restype = returned
             function.argtypes = arguments
@@ -246,16 +151,20 @@ class Geos:
                           lambda tree: self.c.geos_tree_free(tree, rectangles.pointer),
                           rectangles)
 
-    def join(self, tree, probes):
+    def _pairs(self, function, *arguments):
         rows, ids = ctypes.c_void_p(), ctypes.c_void_p()
-        count = self.c.geos_join(tree.pointer, probes.pointer, ctypes.byref(rows),
-                                 ctypes.byref(ids))
+        count = function(*arguments, ctypes.byref(rows), ctypes.byref(ids))
         if count < 0:
-            raise MemoryError("no memory for the pairs that GEOS finds")
-        return (self.Owned(rows.value, libc_free), self.Owned(ids.value, libc_free), count)
+            raise MemoryError("GEOS has failed")
+        return self.Owned(rows.value, libc.free), self.Owned(ids.value, libc.free), count
 
-    points = given
-    each = join
+    def join(self, tree, probes, within=0.0):
+        return self._pairs(self.c.geos_join, tree.pointer, tree.keep[0].pointer, probes.pointer,
+                           within)
+
+    def nearest(self, tree, probes, with_ties=False):
+        return self._pairs(self.c.geos_nearest, tree.pointer, tree.keep[0].pointer,
+                           probes.pointer, int(with_ties))
 
     @staticmethod
     def pairs(found):
@@ -264,20 +173,68 @@ class Geos:
             ctypes.cast(some.pointer, ctypes.POINTER(ctypes.c_int64)), (count,)).copy()
             for some in (rows, ids))
 
-    def nearest(self, tree, probes, k):
-        ids = np.empty((len(probes.keep[0]), k), np.int64)
-        if self.c.geos_nearest(tree.pointer, tree.keep[0].pointer, probes.pointer,
-                               ids.ctypes.data) != 0:
-            raise RuntimeError("GEOS found no nearest object")
-        return ids
+
+def rectangles(boxes):
+    return [shapely.geometry.box(*box) for box in boxes.tolist()]
 
 
-libc_free = ctypes.CDLL(None).free
-libc_free.argtypes = [ctypes.c_void_p]
-libc_free.restype = None
+def build_shapely(geometries):
+    tree = shapely.strtree.STRtree(geometries)
+    tree.query_items(geometries[0])  # the first query builds it
+    return tree
 
-def spaced(number):
-    return f"{number:,}".replace(",", " ")
+
+def build_rtree(boxes):
+    # A stream, which is its bulk load.
+    return rtree.index.Index((i, box, None) for i, box in enumerate(boxes))
+
+
+def lists(found):
+    """The rows and ids of a list of ids for each row."""
+    rows = np.repeat(np.arange(len(found)), [len(ids) for ids in found])
+    return rows, np.array([i for ids in found for i in ids], np.int64)
+
+
+SHAPELY = f"shapely {shapely.__version__}"
+RTREE = f"rtree {rtree.__version__}"
+GEOPANDAS = f"geopandas {geopandas.__version__}"
+SCIPY = f"scipy {scipy.__version__} cKDTree"
+
+# Answers, which make what two libraries return equal.
+
+
+def as_pairs(found):
+    """A number for each pair, in ascending order."""
+    rows, ids = found
+    return np.sort(np.asarray(rows, np.int64) << 32 | np.asarray(ids, np.int64))
+
+
+def gaps(boxes, probes, found):
+    """The distances of pairs of boxes."""
+    rows, ids = found
+    a, b = probes[rows], boxes[ids]
+    apart = np.maximum(b[:, :2] - a[:, 2:], a[:, :2] - b[:, 2:]).clip(0)
+    return np.hypot(apart[:, 0], apart[:, 1])
+
+
+def sorted_distances(boxes, probes, found):
+    """Those of each row in order."""
+    distances = gaps(boxes, probes, found)
+    return distances[np.lexsort((distances, found[0]))]
+
+
+def near(a, b):
+    # halfspace compares distances as floats: of two that are so near, either can be first.
+    return a.shape == b.shape and np.allclose(a, b, rtol=1e-6, atol=1e-12)
+
+
+def of_each(ids):
+    """The ids of k objects for each row as rows and ids."""
+    ids = np.asarray(ids).reshape(len(ids), -1)
+    return np.repeat(np.arange(len(ids)), ids.shape[1]), ids.ravel()
+
+
+# The table.
 
 
 def seconds(call):
@@ -287,182 +244,289 @@ def seconds(call):
     return time.process_time() - begin, result
 
 
-def in_turns(calls, repetitions, times=None):
-    """{name: seconds of its runs}. A slow call runs less often."""
-    times = times or {name: [] for name in calls}
-    patience = 3.0
-    while any(len(some) < repetitions and sum(some) < patience for some in times.values()):
-        for name, call in calls.items():
-            if len(times[name]) < repetitions and sum(times[name]) < patience:
-                times[name].append(seconds(call)[0])
-    return times
+def bytes_of(build):
+    """The result of a build, and by how much the memory of the process has grown."""
+    def resident():
+        gc.collect()
+        libc.malloc_trim(0)
+        pages = int(pathlib.Path("/proc/self/statm").read_text().split()[1])
+        return pages * os.sysconf("SC_PAGE_SIZE")
+
+    before = resident()
+    built = build()
+    return built, resident() - before
 
 
-class Join:
-    """Pairs of an object and a probe. `method`: join, or each."""
-
-    def __init__(self, boxes, method="join"):
-        self.count = len(boxes)
-        self.method = method
-
-    def call(self, library, tree, probes):
-        given = library.given(probes)
-        return lambda: getattr(library, self.method)(tree, given)
-
-    def answer(self, library, result, probes):
-        """A number for each pair, in ascending order."""
-        if self.method == "each" and not isinstance(library, Geos):
-            rows, ids = flat(result)
-        else:
-            rows, ids = library.pairs(result)
-        return np.sort(rows * self.count + ids)
-
-    same = staticmethod(np.array_equal)
-
-
-class Nearest:
-    """The k objects that are nearest to points."""
-
-    def __init__(self, boxes, k):
-        self.boxes = boxes
-        self.k = k
-
-    def call(self, library, tree, probes):
-        given = library.points(probes)
-        return lambda: library.nearest(tree, given, self.k)
-
-    def answer(self, library, ids, probes):
-        """Their distances."""
-        near, points = self.boxes[ids], probes[:, None, :2]
-        gaps = np.maximum(near[..., :2] - points, points - near[..., 2:]).clip(0)
-        return np.sort(np.hypot(gaps[..., 0], gaps[..., 1]), 1)
-
-    @staticmethod
-    def same(a, b):
-        # halfspace compares distances as floats: of two that are so near, either can be first.
-        return np.allclose(a, b, rtol=1e-6, atol=1e-12)
-
-
-class World:
-    """Objects, and their trees in several libraries."""
-
-    def __init__(self, name, boxes, libraries, repetitions):
-        self.name = name
-        self.boxes = boxes
+class Table:
+    def __init__(self, repetitions):
         self.repetitions = repetitions
-        self.trees = {}
-        given, times = {}, {}
-        for library in libraries:
-            report.progress(f"{name}: {library.name} builds")
-            given[library] = library.given(boxes)
-            took, self.trees[library] = seconds(lambda: library.build(given[library]))
-            times[library] = [took]
-        self.builds = in_turns({library: lambda library=library: library.build(given[library])
-                                for library in libraries}, repetitions, times)
+        self.rows = []
 
-    def build_cell(self, library):
-        times = self.builds.get(library, [None])
-        return report.spread(times) if len(times) > 1 else times[0]
+    def contest(self, call, objects, count, ours, peer, theirs, same=np.array_equal, sizes=()):
+        """A row. `ours` and `theirs` are calls that are timed, and what makes an answer of
+        their results. They have `count` queries. A slow call runs less often."""
+        report.progress(f"{call}, {objects}: {peer}")
+        answers = [answer(run()) for run, answer in (ours, theirs)]
+        if not same(*answers):
+            sys.exit(f"{call}, {objects}: halfspace and {peer} disagree. The comparison needs "
+                     "equal answers, so this is a bug in one of them")
+        times = [], []
+        while len(times[0]) < self.repetitions and sum(times[1]) < 1:
+            for (run, _), some in zip((ours, theirs), times):
+                some.append(seconds(run)[0])
+        self.rows.append([
+            call, objects, peer, round(np.size(answers[0]) / count, 2) or None,
+            report.spread([t / count * 1e6 for t in times[0]]), report.ratios(times[1], times[0]),
+            *(sizes or (None, None))])
 
-    def contest(self, case, question, probes, limits):
-        """The beginning of a row, and for each library how many times as long it takes as
-        halfspace for the same probes. `limits`: the probes of each library, None for all."""
-        limits = {library: min(limit or len(probes), len(probes))
-                  for library, limit in limits.items()}
-        whole = Halfspace, len(probes)
-        keys = dict.fromkeys([whole, *((some, limit) for library, limit in limits.items()
-                                       for some in (Halfspace, library))])
-        calls, answers = {}, {}
-        for library, limit in keys:
-            report.progress(f"{self.name}, {case}: {library.name}")
-            some = probes[:limit]
-            calls[library, limit] = question.call(library, self.trees[library], some)
-            answers[library, limit] = question.answer(library, calls[library, limit](), some)
-        for library, limit in keys:
-            if not question.same(answers[Halfspace, limit], answers[library, limit]):
-                sys.exit(f"{self.name}, {case}: halfspace and {library.name} disagree. The "
-                         "comparison needs equal answers, so this is a bug in one of them")
-        times = in_turns(calls, self.repetitions)
-        row = [self.name, case, round(answers[whole].size / len(probes), 2),
-               report.spread([t / len(probes) * 1e6 for t in times[whole]])]
-        return row, {library: report.ratios(times[library, limit], times[Halfspace, limit])
-                     for library, limit in limits.items()}
+    def build(self, objects, boxes, peers):
+        """Rows of builds. Returns the trees of halfspace and of the peers, which are names,
+        what a caller has before any call, and functions."""
+        count = len(boxes)
+        tree, our_size = bytes_of(lambda: hs.BVH(boxes))
+        trees = [tree]
+        for name, given, build in peers:
+            built, size = bytes_of(lambda: build(given))
+            trees.append(built)
+            self.contest("BVH(boxes)", objects, count, (lambda: hs.BVH(boxes), lambda _: ()),
+                         name, (lambda: build(given), lambda _: ()),
+                         sizes=[our_size / count, size / count])
+        return trees
 
-
-def table(name, title, libraries, contests, notes):
-    column = report.column
-    rows = [[*row, *map(ratios.get, libraries)] for row, ratios in contests]
-    return report.table(
-        f"compare: {name}", title,
-        [column("objects", key=True), column("query", key=True), column("results a probe"),
-         column("halfspace", "us a probe", 3, better="lower"),
-         *(column(f"{library.name}, times", digits=1) for library in libraries)], rows,
-        ["times: how many times as long the library takes as halfspace.", *notes])
-
-
-def joins(scale, geos, repetitions, rng):
-    objects, probes = 1_000_000 // scale, 100_000 // scale
-    grow = scale ** 0.5
-    limits = {geos: None, Shapely: None, Rtree: None, Geopandas: probes // 10}
-    cases = [
-        ("uniform", uniform, 0.0005 * grow, {"small boxes": 0.0005, "large boxes": 0.00266}),
-        ("skewed", skewed, 0.0002 * grow, {"small boxes": 0.00025, "large boxes": 0.0022}),
-        ("mesh, in order", mesh, 1, {"another mesh": 0.3})]
-    rows, builds = [], []
-    for name, make, side, queries in cases:
-        # Geometries in geopandas take longest to build: it sits out one world.
-        asked = {library: limit for library, limit in limits.items()
-                 if library is not Geopandas or make is not mesh}
-        world = World(name, make(rng, objects, side), [Halfspace, *asked], repetitions)
-        for case, probe_side in queries.items():
-            boxes = make(rng, probes, probe_side * (1 if make is mesh else grow))
-            rows.append(world.contest(case, Join(world.boxes), boxes, asked))
-        builds.append([name, *(world.build_cell(library) for library in [Halfspace, *limits])])
-    column = report.column
-    return [
-        table("join", f"{spaced(objects)} boxes joined with {spaced(probes)}, on one thread",
-              list(limits), rows,
-              [f"{Geopandas.name} uses rtree, and tests the geometries exactly. It runs on the "
-               f"first {spaced(limits[Geopandas])} probes, and is compared with halfspace on them."]),
-        report.table(
-            "compare: build", f"Building a tree of {spaced(objects)} boxes, on one thread",
-            [column("objects", key=True), column("halfspace", "s", 3, better="lower"),
-             *(column(library.name, "s", 2) for library in limits)], builds,
-            ["Geometries exist before the build."])]
+    def result(self):
+        column = report.column
+        return report.table(
+            "compare", "Calls of halfspace and of other packages, on one thread",
+            [column("call", key=True), column("objects", key=True), column("package", key=True),
+             column("results a query"), column("halfspace", "us a query", 3, better="lower"),
+             column("times", digits=1), column("halfspace, bytes an object", digits=0),
+             column("package, bytes an object", digits=0)], self.rows,
+            ["times: how many times as long the package takes as halfspace. A query of a build is "
+             "an object.",
+             "bytes an object: of the tree, without what the caller has before. For some packages "
+             "this has other objects of Python.",
+             "Shapely 2 calls the tree of GEOS from C for a whole array, so GEOS in C is the best "
+             "that its query, dwithin and query_nearest can reach. shapely 1.8 is called once for "
+             f"each query. {GEOPANDAS} uses rtree, and has no sjoin_nearest with it."])
 
 
-def small(geos, repetitions, rng):
-    limits = {Scan: None, geos: None, Shapely: None, Rtree: None}
-    world = World("1 000 uniform boxes", uniform(rng, 1000, 0.0005 * 1000 ** 0.5),
-                  [Halfspace, *limits], repetitions)
-    rows = [world.contest("one a call", Join(world.boxes, "each"),
-                          uniform(rng, 20_000, 0.0005 * 1000 ** 0.5), limits)]
-    return table("small", "20 000 different queries of 1 000 boxes, one query a call",
-                 list(limits), rows,
-                 [f"{geos.name} is called from C, so that it has no cost of a call from Python."])
+def same_within(boxes, probes, limit):
+    """Whether pairs are equal, except for those so near the limit that floats decide
+    otherwise."""
+    def same(a, b):
+        pairs = np.setxor1d(a, b)
+        return np.allclose(gaps(boxes, probes, (pairs >> 32, pairs & 0xffffffff)), limit, 1e-5)
+    return same
 
 
-def nearest(scale, geos, repetitions, rng):
-    objects, probes = 1_000_000 // scale, 100_000 // scale
-    few = probes // 20
-    rows = []
-    world = World("points", points(rng, objects, 0), [Halfspace, CkdTree, Rtree], repetitions)
+def boxes_of(table, geos, scale, rng):
+    objects, count, grow = 1_000_000 // scale, 100_000 // scale, scale ** 0.5
+    pairs = lambda found: as_pairs(geos.pairs(found))
+    for name, make, side, queries in (
+            ("skewed boxes", skewed, 0.0002 * grow, {"small": 0.00025, "large": 0.0022}),
+            ("mesh, in order", mesh, 1, {"another mesh": 0.3 / grow}),
+            ("uniform boxes", uniform, 0.0005 * grow, {"small": 0.0005, "large": 0.00266})):
+        boxes = make(rng, objects, side)
+        tree, of_geos = table.build(name, boxes, [(geos.name, geos.given(boxes), geos.build)])
+        for size, its_side in queries.items():
+            probes = make(rng, count, its_side * grow)
+            given = geos.given(probes)
+            table.contest(f"query(boxes), {size}", name, len(probes),
+                          (lambda: tree.query(probes), as_pairs),
+                          geos.name, (lambda: geos.join(of_geos, given), pairs))
+    # The last world, and its large queries.
+    table.contest("query(boxes, within=)", name, count,
+                  (lambda: tree.query(probes, within=SQUARE), as_pairs),
+                  geos.name, (lambda: geos.join(of_geos, given, SQUARE), pairs),
+                  same_within(boxes, probes, SQUARE))
+    table.contest("nearest(boxes)", name, count,
+                  (lambda: tree.nearest(probes)[0], lambda found: sorted_distances(
+                      boxes, probes, of_each(found))),
+                  geos.name, (lambda: geos.nearest(of_geos, given), lambda found:
+                              sorted_distances(boxes, probes, geos.pairs(found))), near)
+    # No floats: the maxima are less than a step of floats above those of `boxes`.
+    doubles = boxes * [1, 1, 1 + 1e-12, 1 + 1e-12]
+    exact, size = bytes_of(lambda: hs.BVH(doubles, exact=True))
+    its = geos.given(doubles)
+    of_geos, its_size = bytes_of(lambda: geos.build(its))
+    table.contest("BVH(boxes, exact=True).query", name, count,
+                  (lambda: exact.query(probes), as_pairs),
+                  geos.name, (lambda: geos.join(of_geos, given), pairs),
+                  sizes=[size / objects, its_size / objects])
+
+
+def packages(table, scale, rng):
+    """Packages that take long to build, with fewer boxes."""
+    objects, count, grow = 200_000 // scale, 20_000 // scale, (5 * scale) ** 0.5
+    boxes, probes = (uniform(rng, n, 0.0005 * grow) for n in (objects, count))
+    geometries, rows = rectangles(probes), probes.tolist()
+    frame, its_frame = (geopandas.GeoDataFrame(geometry=some)
+                        for some in (rectangles(boxes), geometries))
+    tree, of_shapely, of_rtree = table.build("fewer uniform boxes", boxes, [
+        (SHAPELY, list(frame.geometry), build_shapely), (RTREE, boxes.tolist(), build_rtree)])
+    for peer, ask in (
+            (SHAPELY, lambda: [of_shapely.query_items(box) for box in geometries]),
+            (RTREE, lambda: [list(of_rtree.intersection(row)) for row in rows])):
+        table.contest("query(boxes)", "fewer uniform boxes", count,
+                      (lambda: tree.query(probes), as_pairs), peer,
+                      (ask, lambda found: as_pairs(lists(found))))
+        table.contest("query(box), one a call", "fewer uniform boxes", count,
+                      (lambda: [tree.query(box) for box in probes],
+                       lambda found: as_pairs(lists(found))), peer,
+                      (ask, lambda found: as_pairs(lists(found))))
+    few = probes[:count // 10]
+    table.contest("nearest(boxes)", "fewer uniform boxes", len(few),
+                  (lambda: tree.nearest(few)[0], lambda found: sorted_distances(
+                      boxes, few, of_each(found))), RTREE,
+                  (lambda: [next(of_rtree.nearest(row)) for row in rows[:len(few)]],
+                   lambda found: sorted_distances(boxes, few, of_each(found))), near)
+    table.contest("geo.sjoin(frame, frame)", "fewer uniform boxes", count,
+                  (lambda: halfspace.geo.sjoin(its_frame, frame), joined_pairs), GEOPANDAS,
+                  (lambda: sjoin_anew(its_frame, frame), joined_pairs))
+
+
+def sjoin_anew(left, right):
+    return geopandas.sjoin(left, right.copy())  # without the index of the last time
+
+
+def joined_pairs(frame):
+    return as_pairs((frame.index.to_numpy(), frame["index_right"].to_numpy()))
+
+
+def of_points(table, geos, scale, rng):
+    objects, count = 1_000_000 // scale, 100_000 // scale
+    boxes, probes = points(rng, objects), points(rng, count)
+    ours, theirs = boxes[:, :2].copy(), probes[:, :2].copy()
+    tree, of_scipy = table.build("points", boxes, [(SCIPY, ours, scipy.spatial.cKDTree)])
     for k in (1, 8):
-        rows.append(world.contest(f"{k} nearest", Nearest(world.boxes, k),
-                                  points(rng, probes, 0), {CkdTree: None, Rtree: few}))
-    rows.append(world.contest("squares", Join(world.boxes), points(rng, probes, SQUARE),
-                              {CkdTree: None, Rtree: None}))
-    world = World("uniform boxes", uniform(rng, objects, 0.0005 * scale ** 0.5),
-                  [Halfspace, Rtree, geos, Shapely], repetitions)
-    for k, libraries in ((1, {Rtree: few, geos: None, Shapely: few}), (8, {Rtree: few})):
-        rows.append(world.contest(f"{k} nearest", Nearest(world.boxes, k),
-                                  uniform(rng, probes, 0), libraries))
-    return table(
-        "nearest", f"{spaced(objects)} objects, {spaced(probes)} points as probes, on one thread",
-        [CkdTree, Rtree, geos, Shapely], rows,
-        [f"squares: a join with squares of one size. {CkdTree.name} has query_ball_point for it.",
-         f"{Rtree.name} and {Shapely.name} look for the nearest of the first {spaced(few)} probes, "
-         "and are compared with halfspace on them."])
+        table.contest(f"nearest(points, {k})", "points", count,
+                      (lambda: tree.nearest(theirs, k)[0], lambda found: sorted_distances(
+                          boxes, probes, of_each(found))), SCIPY,
+                      (lambda: of_scipy.query(theirs, k)[1], lambda found: sorted_distances(
+                          boxes, probes, of_each(found))), near)
+    squares = probes + [-SQUARE, -SQUARE, SQUARE, SQUARE]
+    as_lists = lambda found: as_pairs(lists(found))
+    table.contest("query(boxes), squares", "points", count,
+                  (lambda: tree.query(squares), as_pairs), SCIPY,
+                  (lambda: of_scipy.query_ball_point(
+                      theirs, SQUARE, p=np.inf, return_sorted=False), as_lists))
+    for call, ask in (("query_sphere(points, r)", lambda: tree.query_sphere(theirs, SQUARE)),
+                      ("query(boxes, within=)", lambda: tree.query(probes, within=SQUARE))):
+        table.contest(call, "points", count, (ask, as_pairs), SCIPY,
+                      (lambda: of_scipy.query_ball_point(theirs, SQUARE, return_sorted=False),
+                       as_lists), same_within(boxes, probes, SQUARE))
+    # Of a coarse grid, and between its points, so that many are equally near.
+    side = int((objects / 10) ** 0.5)
+    boxes, probes = np.floor(boxes[:objects // 5] * side), np.floor(probes * side) + 0.5
+    given = geos.given(probes)
+    tree, of_geos = table.build("points of a grid", boxes,
+                                [(geos.name, geos.given(boxes), geos.build)])
+    table.contest("nearest(boxes, all_ties=True)", "points of a grid", count,
+                  (lambda: tree.nearest(probes, all_ties=True)[0], as_pairs), geos.name,
+                  (lambda: geos.nearest(of_geos, given, with_ties=True),
+                   lambda found: as_pairs(geos.pairs(found))))
+
+
+def geometries(table, scale, rng):
+    """Discs, and lines or points that are joined with them."""
+    objects, count, grow = 20_000 // scale, 20_000 // scale, scale ** 0.5
+    discs = [shapely.geometry.Point(*place).buffer(radius * grow)
+             for *place, radius in rng.uniform([0, 0, 1e-3], [1, 1, 9e-3], (objects, 3))]
+    starts = rng.random((count, 2))
+    lines = [shapely.geometry.LineString(some) for some in
+             np.stack([starts, starts + rng.uniform(-0.02, 0.02, (count, 2)) * grow], 1)]
+    places = [shapely.geometry.Point(*place) for place in starts]
+    table.contest("geo.STRtree(geometries)", "discs", objects,
+                  (lambda: halfspace.geo.STRtree(discs), lambda _: ()),
+                  SHAPELY, (lambda: build_shapely(discs), lambda _: ()))
+    tree, of_shapely = halfspace.geo.STRtree(discs), build_shapely(discs)
+
+    def intersects():
+        found = []
+        for line in lines:
+            prepared = shapely.prepared.prep(line)
+            found.append([i for i in of_shapely.query_items(line)
+                          if prepared.intersects(discs[i])])
+        return found
+
+    table.contest('geo.STRtree.query(..., "intersects")', "discs", count,
+                  (lambda: tree.query(lines, "intersects"), as_pairs),
+                  SHAPELY, (intersects, lambda found: as_pairs(lists(found))))
+    distances = lambda found: np.array([a.distance(discs[i]) for a, i in zip(places, found)])
+    table.contest("geo.STRtree.nearest", "discs", count,
+                  (lambda: tree.nearest(places), distances), SHAPELY,
+                  (lambda: [of_shapely.nearest_item(place) for place in places], distances))
+    frame, its_frame = (geopandas.GeoDataFrame(geometry=some) for some in (discs, places))
+    table.contest("geo.sjoin(frame, frame)", "discs", count,
+                  (lambda: halfspace.geo.sjoin(its_frame, frame), joined_pairs), GEOPANDAS,
+                  (lambda: sjoin_anew(its_frame, frame), joined_pairs))
+
+
+# Exact tests of triangles in numpy, for the candidates that a BVH finds.
+
+
+def hits(origins, directions, triangles):
+    """The t of rays and triangles by the test of Moeller and Trumbore: inf without a hit."""
+    p, q, r = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+    s, from_p = np.cross(directions, r - p), origins - p
+    with np.errstate(divide="ignore", invalid="ignore"):
+        f = 1 / (s * (q - p)).sum(1)
+        u = f * (s * from_p).sum(1)
+        w = np.cross(from_p, q - p)
+        v = f * (w * directions).sum(1)
+        t = f * (w * (r - p)).sum(1)
+        return np.where((u >= 0) & (v >= 0) & (u + v <= 1) & (t >= 0), t, np.inf)
+
+
+def distances_to(places, triangles):
+    best = np.full(len(places), np.inf)
+    p, q, r = triangles[:, 0], triangles[:, 1], triangles[:, 2]
+    normals, inside = np.cross(q - p, r - p), np.ones(len(places), bool)
+    for a, b in ((p, q), (q, r), (r, p)):
+        along, from_a = b - a, places - a
+        t = ((from_a * along).sum(1) / (along * along).sum(1)).clip(0, 1)
+        best = np.minimum(best, np.linalg.norm(from_a - t[:, None] * along, axis=1))
+        inside &= (np.cross(along, from_a) * normals).sum(1) >= 0
+    height = abs(((places - p) * normals).sum(1)) / np.linalg.norm(normals, axis=1)
+    return np.where(inside, height, best)
+
+
+def least_of_each(rows, values, count):
+    least = np.full(count, np.inf)
+    np.minimum.at(least, rows, values)
+    return least
+
+
+def triangles_of(table, scale, rng):
+    triangles, count = bumps(200_000 // scale), 20_000 // scale
+    flat = triangles.reshape(-1, 3)
+    tree = hs.BVH(np.hstack([triangles.min(1), triangles.max(1)]))
+    origins = as_floats(3 * rng.standard_normal((count, 3)))
+    ways = as_floats(0.5 * rng.standard_normal((count, 3)) - origins)
+
+    def cast():
+        (rows, ids), _ = tree.raycast(origins, ways, all_hits=True)
+        return least_of_each(rows, hits(origins[rows], ways[rows], triangles[ids]), count)
+
+    def almost(a, b):
+        # Rays by an edge can hit for one of the two.
+        return np.isclose(a, b, rtol=1e-3, atol=1e-5).mean() > 0.999
+
+    peer = f"numpy {np.__version__} over candidates"
+    table.contest("raycast(..., triangles=)", "triangles", count,
+                  (lambda: tree.raycast(origins, ways, triangles=triangles)[1], np.asarray),
+                  peer, (cast, np.asarray), almost)
+    corners = scipy.spatial.cKDTree(flat)
+    places = as_floats(rng.standard_normal((count, 3)))
+
+    def closest():
+        # As trimesh: no farther than the nearest vertex.
+        rows, ids = tree.query_sphere(places, corners.query(places)[0])
+        return least_of_each(rows, distances_to(places[rows], triangles[ids]), count)
+
+    table.contest("closest_point(points, triangles)", "triangles", count,
+                  (lambda: tree.closest_point(places, triangles)[1], np.asarray),
+                  peer, (closest, np.asarray), almost)
 
 
 def main():
@@ -471,25 +535,29 @@ def main():
     parser.add_argument("--quick", action="store_true",
                         help="a hundredth of the objects, one repetition")
     parser.add_argument("--repetitions", type=int, default=7,
-                        help="of calls that take less than a second (7)")
-    parser.add_argument("--out", help="also write the tables here, as JSON")
+                        help="of calls that take less than a seventh of a second (7)")
+    parser.add_argument("--out", help="also write the table here, as JSON")
     arguments = parser.parse_args()
     if not shapely.__version__.startswith("1.8"):
         sys.exit(f"compare.py needs Shapely 1.8, as in Debian 12: this is {shapely.__version__}")
     if arguments.repetitions < 1:
         sys.exit("--repetitions must be at least 1")
     scale = 100 if arguments.quick else 1
-    repetitions = 1 if arguments.quick else arguments.repetitions
     warnings.simplefilter("ignore", shapely.errors.ShapelyDeprecationWarning)
     rng = np.random.default_rng(SEED)
+    table = Table(1 if arguments.quick else arguments.repetitions)
     with tempfile.TemporaryDirectory() as directory:
         geos = Geos(directory)
-        tables = [*joins(scale, geos, repetitions, rng), small(geos, repetitions, rng),
-                  nearest(scale, geos, repetitions, rng)]
+        boxes_of(table, geos, scale, rng)
+        of_points(table, geos, scale, rng)
+        packages(table, scale, rng)
+        geometries(table, scale, rng)
+        triangles_of(table, scale, rng)
     report.progress("")
+    tables = [table.result()]
     report.show(tables)
     if arguments.out:
-        report.write(arguments.out, tables, SEED, repetitions)
+        report.write(arguments.out, tables, SEED, table.repetitions)
 
 
 if __name__ == "__main__":

@@ -75,45 +75,72 @@ typedef struct {
   int64_t* rows;
   int64_t* ids;
   size_t count, capacity;
+  int has_failed;
+  // Of the query.
+  GEOSContextHandle_t context;
+  GEOSGeometry* const* objects;
+  const GEOSPreparedGeometry* probe;  // null without a distance
+  double within;
   int64_t row;
-  int is_out_of_memory;
 } Pairs;
 
-static int Grow(Pairs* pairs) {
-  const size_t capacity = pairs->capacity * 2 + 1024;
-  int64_t* rows = realloc(pairs->rows, capacity * sizeof(int64_t));
-  if (rows != NULL) pairs->rows = rows;
-  int64_t* ids = realloc(pairs->ids, capacity * sizeof(int64_t));
-  if (ids != NULL) pairs->ids = ids;
-  if (rows == NULL || ids == NULL) return 0;
-  pairs->capacity = capacity;
-  return 1;
-}
-
-static void Append(void* item, void* data) {
-  Pairs* pairs = data;
-  if (pairs->count == pairs->capacity && !Grow(pairs)) {
-    pairs->is_out_of_memory = 1;
-    return;
+static void Append(Pairs* pairs, int64_t id) {
+  if (pairs->count == pairs->capacity) {
+    const size_t capacity = pairs->capacity * 2 + 1024;
+    int64_t* rows = realloc(pairs->rows, capacity * sizeof(int64_t));
+    if (rows != NULL) pairs->rows = rows;
+    int64_t* ids = realloc(pairs->ids, capacity * sizeof(int64_t));
+    if (ids != NULL) pairs->ids = ids;
+    pairs->has_failed |= rows == NULL || ids == NULL;
+    if (pairs->has_failed) return;
+    pairs->capacity = capacity;
   }
   pairs->rows[pairs->count] = pairs->row;
-  pairs->ids[pairs->count++] = (int64_t)(intptr_t)item - 1;
+  pairs->ids[pairs->count++] = id;
 }
 
-// Returns the number of pairs of a probe and an object, in *rows and *ids,
-// which the caller frees.
-int64_t geos_join(GEOSSTRtree* tree, const Rectangles* probes, int64_t** rows,
+static void AppendNear(void* item, void* data) {
+  Pairs* pairs = data;
+  const int64_t id = (int64_t)(intptr_t)item - 1;
+  const int is_near =
+      pairs->probe == NULL ||
+      GEOSPreparedDistanceWithin_r(pairs->context, pairs->probe,
+                                   pairs->objects[id], pairs->within);
+  if (is_near) Append(pairs, id);
+}
+
+static int64_t Finish(const Pairs* pairs, int64_t** rows, int64_t** ids) {
+  *rows = pairs->rows;
+  *ids = pairs->ids;
+  return pairs->has_failed ? -1 : (int64_t)pairs->count;
+}
+
+// Returns the number of pairs of a probe and an object that overlap, or that
+// are at most `within` apart if this is not 0, in *rows and *ids, which the
+// caller frees.
+int64_t geos_join(GEOSSTRtree* tree, const Rectangles* objects,
+                  const Rectangles* probes, double within, int64_t** rows,
                   int64_t** ids) {
-  Pairs pairs = {0};
-  pairs.is_out_of_memory = !Grow(&pairs);
+  Pairs pairs = {.context = probes->context,
+                 .objects = objects->geometries,
+                 .within = within};
   for (size_t i = 0; i < probes->count; ++i) {
     pairs.row = (int64_t)i;
-    GEOSSTRtree_query_r(probes->context, tree, probes->geometries[i], Append,
-                        &pairs);
+    if (within == 0) {
+      GEOSSTRtree_query_r(pairs.context, tree, probes->geometries[i],
+                          AppendNear, &pairs);
+      continue;
+    }
+    const double* box = probes->boxes + 4 * i;
+    GEOSGeometry* around = GEOSGeom_createRectangle_r(
+        pairs.context, box[0] - within, box[1] - within, box[2] + within,
+        box[3] + within);
+    pairs.probe = GEOSPrepare_r(pairs.context, probes->geometries[i]);
+    GEOSSTRtree_query_r(pairs.context, tree, around, AppendNear, &pairs);
+    GEOSPreparedGeom_destroy_r(pairs.context, pairs.probe);
+    GEOSGeom_destroy_r(pairs.context, around);
   }
-  *rows = pairs.rows;
-  *ids = pairs.ids;
-  return pairs.is_out_of_memory ? -1 : (int64_t)pairs.count;
+  return Finish(&pairs, rows, ids);
 }
 
 static double Gap(double min_a, double max_a, double min_b, double max_b) {
@@ -123,30 +150,48 @@ static double Gap(double min_a, double max_a, double min_b, double max_b) {
 typedef struct {
   const double* boxes;
   const double* probe;
+  Pairs* pairs;  // all that are as near as any before them
+  size_t first;  // of this probe
+  double least;
 } Nearest;
 
 static int BoxDistance(const void* a, const void* b, double* distance,
                        void* data) {
   (void)b;  // is the probe
-  const Nearest* nearest = data;
-  const double* box = nearest->boxes + 4 * ((intptr_t)a - 1);
+  Nearest* nearest = data;
+  const int64_t id = (intptr_t)a - 1;
+  const double* box = nearest->boxes + 4 * id;
   const double* probe = nearest->probe;
   const double x = Gap(box[0], box[2], probe[0], probe[2]);
   const double y = Gap(box[1], box[3], probe[1], probe[3]);
   *distance = sqrt(x * x + y * y);
+  if (nearest->pairs == NULL) return 1;
+  if (*distance < nearest->least) {
+    nearest->least = *distance;
+    nearest->pairs->count = nearest->first;
+  }
+  if (*distance == nearest->least) {
+    Append(nearest->pairs, id);
+    // GEOS goes on to others that are as near, as in Shapely 2.
+    *distance += 1e-6;
+  }
   return 1;
 }
 
-// Writes the nearest object of each probe. Returns 0.
+// The same for the nearest object of each probe, or for all that are as near.
 int64_t geos_nearest(GEOSSTRtree* tree, const Rectangles* objects,
-                     const Rectangles* probes, int64_t* ids) {
+                     const Rectangles* probes, int with_ties, int64_t** rows,
+                     int64_t** ids) {
+  Pairs pairs = {0};
   for (size_t i = 0; i < probes->count; ++i) {
-    Nearest nearest = {objects->boxes, probes->boxes + 4 * i};
+    pairs.row = (int64_t)i;
+    Nearest nearest = {objects->boxes, probes->boxes + 4 * i,
+                       with_ties ? &pairs : NULL, pairs.count, INFINITY};
     const void* item = GEOSSTRtree_nearest_generic_r(
         probes->context, tree, probes->geometries[i], probes->geometries[i],
         BoxDistance, &nearest);
-    if (item == NULL) return -1;
-    ids[i] = (int64_t)(intptr_t)item - 1;
+    pairs.has_failed |= item == NULL;
+    if (!with_ties) Append(&pairs, (int64_t)(intptr_t)item - 1);
   }
-  return 0;
+  return Finish(&pairs, rows, ids);
 }

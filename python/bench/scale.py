@@ -124,25 +124,6 @@ def bytes_a_second(client):
     return report.median(found)
 
 
-def costs(world, objects, probes, side):
-    """Seconds of the steps for one object and one probe, each alone in one process."""
-    rows = objects // CHUNKS
-    read, boxes = seconds(lambda: world(0, rows, side))
-    splits = hd._split_at_medians(hd._centers(boxes[:1000]), np.ones(1000), PARTITIONS)
-    plan = hd._Plan(splits, [0])
-
-    def distribute(routed):
-        return [hd._piece(routed, p) for p in range(PARTITIONS)]
-
-    sent, pieces = seconds(lambda: distribute(hd._distribute(boxes, 0, "", plan)))
-    joined, _ = seconds(lambda: np.concatenate([boxes for boxes, _ in pieces]))
-    top = hd._Top.of([(hs.BVH(boxes).bounds, len(boxes), 0) for boxes, _ in pieces])
-    probe = world(1000, probes // CHUNKS, side)
-    routed, _ = seconds(lambda: distribute(hd._route(probe, 0, "", top)))
-    return {"read": read / rows, "distribute": (sent + joined) / rows,
-            "route": routed / len(probe)}
-
-
 def sends(chunks, partitions):
     """The tasks that send rows of chunks to partitions."""
     if partitions <= hd._ONE_STAGE:
@@ -152,13 +133,12 @@ def sends(chunks, partitions):
     return groups * (chunks + blocks) + blocks * partitions
 
 
-def model(run, objects, probes, side, task, bandwidth):
+def model(run, objects, probes, task, bandwidth):
     """The parts of the time of a build and a join to files, for this cluster and for a
-    large one. Workers compute, send and receive at the same time as each other, and
-    the scheduler takes one task after another."""
-    cost = costs(uniform, objects, probes, side)
-    build = report.median(run["build 1"]) / objects - cost["read"]
-    query = report.median(run["files 1"]) / probes - cost["read"]
+    large one. Workers compute as one process does, send and receive at the same time as
+    each other, and the scheduler takes one task after another."""
+    build = report.median(run["build 1"]) / objects
+    query = report.median(run["files 1"]) / probes
     pairs = report.median(run["pairs"]) / probes
     measured_objects = objects
 
@@ -172,13 +152,11 @@ def model(run, objects, probes, side, task, bandwidth):
         return {
             "build": {
                 "scheduler": build_tasks * task,
-                "workers": objects / workers * (cost["read"] + cost["distribute"]
-                                                + build * grown),
+                "workers": objects / workers * build * grown,
                 "network": objects / workers * ROW_BYTES * (1 - stay) / bandwidth},
             "join": {
                 "scheduler": join_tasks * task,
-                "workers": probes / workers * (cost["read"] + cost["route"]
-                                               + query * grown),
+                "workers": probes / workers * query * grown,
                 "network": probes / workers * ROW_BYTES * (1 - stay) / bandwidth},
             "tasks": (build_tasks, join_tasks)}
 
@@ -294,8 +272,7 @@ def main():
            "Efficiency: the time of one process over that of the cluster and over its "
            f"{WORKERS} workers.",
            f"A worker receives {bandwidth / 1e9:.2f} GB/s."])
-    tables = [measured, *model(found["uniform"], objects, probes, worlds["uniform"][1], task,
-                               bandwidth)]
+    tables = [measured, *model(found["uniform"], objects, probes, task, bandwidth)]
     report.show(tables)
     if arguments.out:
         report.write(arguments.out, tables, 0, arguments.repetitions)

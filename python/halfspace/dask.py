@@ -108,11 +108,6 @@ class _Lazy:
         return (self._name,)
 
 
-def _name(what: str) -> str:
-    # Not of the arguments: a file that changed between two calls must be read again.
-    return f"halfspace-{what}-{uuid.uuid4().hex}"
-
-
 def _delayed(lazy, key) -> Delayed:
     return Delayed(key, lazy.__dask_graph__(), layer=lazy.__dask_layers__()[0])
 
@@ -132,7 +127,7 @@ class _Source:
 
     @functools.cached_property
     def firsts(self) -> list:
-        return list(itertools.accumulate(self.sizes, initial=0))
+        return _sum_up(self.sizes)
 
     def where(self, chunk: int) -> str:
         """What an error says of a chunk."""
@@ -243,9 +238,10 @@ def _source(source, name: str, widths: tuple[int, ...]) -> _Source:
         tasks = [array[begin:begin + _CHUNK_ROWS]
                  for begin in range(0, max(1, len(array)), _CHUNK_ROWS)]
         sizes = list(map(len, tasks))
-    layer = _name("source")
-    keys = [(layer, chunk) for chunk in range(len(tasks))]
-    return _Source([_Lazy(layer, dict(zip(keys, tasks)))], keys, sizes or None, width or None)
+    layer = _Tasks("source")
+    keys = [(layer.name, chunk) for chunk in range(len(tasks))]
+    layer.update(zip(keys, tasks))
+    return _Source([_Lazy(layer.name, layer)], keys, sizes or None, width or None)
 
 
 def _again(source):
@@ -282,26 +278,17 @@ def _rows(chunk, name: str, where: str) -> np.ndarray:
 # Partitions.
 
 
-@dataclasses.dataclass(frozen=True)
-class _Splits:
-    """A k-d tree. Points below `value` on `axis` go to `low`, the others to `high`: a
-    node, or if it is negative the partition -1 - child."""
-
-    nodes: list
-
-    def partitions_of(self, points: np.ndarray) -> np.ndarray:
-        partitions = np.zeros(len(points), np.int64)
-        work = [(0, np.arange(len(points)))] if self.nodes else []
-        while work:
-            node, rows = work.pop()
-            axis, value, low, high = self.nodes[node]
-            is_low = points[rows, axis] < value
-            for child, some in ((low, rows[is_low]), (high, rows[~is_low])):
-                if child < 0:
-                    partitions[some] = -1 - child
-                elif len(some):
-                    work.append((child, some))
-        return partitions
+def _partitions_of(splits, points: np.ndarray) -> np.ndarray:
+    """The partition of each point. Splits are the number of a partition, or a tuple: points
+    below `value` on `axis` go to the splits `low`, and the others to `high`."""
+    if not isinstance(splits, tuple):
+        return np.full(len(points), splits)
+    axis, value, low, high = splits
+    is_low = points[:, axis] < value
+    partitions = np.empty(len(points), np.int64)
+    partitions[is_low] = _partitions_of(low, points[is_low])
+    partitions[~is_low] = _partitions_of(high, points[~is_low])
+    return partitions
 
 
 def _centers(boxes: np.ndarray) -> np.ndarray:
@@ -313,13 +300,13 @@ def _centers(boxes: np.ndarray) -> np.ndarray:
         return boxes[:, :dims] / 2 + boxes[:, dims:] / 2
 
 
-def _split_sample(boxes, stands_for, partitions: int, by_pairs: bool) -> _Splits:
+def _split_sample(boxes, stands_for, partitions: int, by_pairs: bool):
     """Splits a sample into partitions of about equal work. By pairs, half of the weight
     of a box is for the objects that it stands for, and half for their pairs. So no
     partition has more than twice its share of either, as far as the sample tells."""
     dims = boxes.shape[1] // 2
     if partitions == 1:
-        return _Splits([])
+        return 0
     # Not empty boxes. Those with a NaN are errors, which the build reports.
     some = (boxes[:, :dims] <= boxes[:, dims:]).all(axis=1)
     boxes, stands_for = boxes[some], stands_for[some]
@@ -327,36 +314,30 @@ def _split_sample(boxes, stands_for, partitions: int, by_pairs: bool) -> _Splits
     if by_pairs:
         pairs = (hs.BVH(boxes).count(boxes) - 1) * stands_for
         weights = weights / 2 + pairs / max(1, pairs.sum()) / 2
-    return _split_at_medians(_centers(boxes), weights, partitions)
+    centers = _centers(boxes)
+    some = np.isfinite(centers).all(axis=1)
+    return _split_at_medians(centers[some], weights[some], 0, partitions)
 
 
-def _split_at_medians(points, weights, partitions: int) -> _Splits:
-    """Splits points into partitions of about equal weight, at the weighted median of
-    the widest axis. Its width is that between the 5th and the 95th percentile: a few
-    objects far away choose no axis."""
-    nodes: list = []
-    numbers = itertools.count()
-
-    def split(rows: np.ndarray, count: int) -> int:
-        if count == 1:
-            return -1 - next(numbers)
-        node = len(nodes)
-        nodes.append(None)
-        axis, value = 0, 0.0
-        if len(rows):
-            low, high = np.percentile(points[rows], (5, 95), axis=0)
-            axis = int(np.argmax(high - low))
-            rows = rows[np.argsort(points[rows, axis], kind="stable")]
-            sums = np.cumsum(weights[rows])
-            middle = np.searchsorted(sums, sums[-1] * (count // 2) / count)
-            value = float(points[rows[min(middle + 1, len(rows) - 1)], axis])
-        is_low = points[rows, axis] < value
-        low_child = split(rows[is_low], count // 2)
-        nodes[node] = (axis, value, low_child, split(rows[~is_low], count - count // 2))
-        return node
-
-    split(np.flatnonzero(np.isfinite(points).all(axis=1)), partitions)
-    return _Splits(nodes)
+def _split_at_medians(points, weights, first: int, count: int):
+    """Splits points into the partitions from `first` on, of about equal weight, at the
+    weighted median of the widest axis. Its width is that between the 5th and the 95th
+    percentile: a few objects far away choose no axis."""
+    if count == 1:
+        return first
+    axis, value = 0, 0.0
+    if len(points):
+        low, high = np.percentile(points, (5, 95), axis=0)
+        axis = int(np.argmax(high - low))
+        order = np.argsort(points[:, axis], kind="stable")
+        points, weights = points[order], weights[order]
+        sums = np.cumsum(weights)
+        middle = np.searchsorted(sums, sums[-1] * (count // 2) / count)
+        value = float(points[min(middle + 1, len(points) - 1), axis])
+    is_low = points[:, axis] < value
+    half = count // 2
+    return (axis, value, _split_at_medians(points[is_low], weights[is_low], first, half),
+            _split_at_medians(points[~is_low], weights[~is_low], first + half, count - half))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -402,14 +383,15 @@ class _Routed:
         numbers, begins = np.unique(partitions[order], return_index=True)
         return _Routed(data, first, rows[order], numbers, np.append(begins, len(order)))
 
-    def rows_to(self, begin: int, end: int):
-        """What goes to the partitions from `begin` to `end`: the data of the rows, their
-        numbers and their partitions."""
-        i, j = np.searchsorted(self.partitions, (begin, end))
-        rows = self.rows[self.begins[i]:self.begins[j]]
-        sizes = np.diff(self.begins[i:j + 1])
-        numbers = rows + self.first if np.ndim(self.first) == 0 else self.first[rows]
-        return self.data[rows], numbers, np.repeat(self.partitions[i:j], sizes)
+
+def _rows_to(routed: _Routed, begin: int, end: int):
+    """What goes to the partitions from `begin` to `end`: the data of the rows, their
+    numbers and their partitions."""
+    i, j = np.searchsorted(routed.partitions, (begin, end))
+    rows = routed.rows[routed.begins[i]:routed.begins[j]]
+    sizes = np.diff(routed.begins[i:j + 1])
+    numbers = rows + routed.first if np.ndim(routed.first) == 0 else routed.first[rows]
+    return routed.data[rows], numbers, np.repeat(routed.partitions[i:j], sizes)
 
 
 @dask.sizeof.sizeof.register(hs.BVH)
@@ -429,17 +411,15 @@ def _size_of_routed(routed: _Routed) -> int:
     return int(routed.data.nbytes + routed.rows.nbytes)
 
 
-def _targets(routed: _Routed) -> np.ndarray:
-    return routed.partitions
+def _about_routed(routed: _Routed):
+    return len(routed.data), routed.partitions
 
 
-def _piece(routed: _Routed, partition: int):
-    """The rows that go to one partition: what is sent to its worker."""
-    return routed.rows_to(partition, partition + 1)[:2]
-
-
-def _part(routed: _Routed, begin: int, end: int):
-    return routed.rows_to(begin, end)
+def _piece(routed: _Routed, partition: int, offset: int = 0):
+    """The rows that go to one partition: what is sent to its worker. `offset` is added to
+    their numbers."""
+    data, numbers, _ = _rows_to(routed, partition, partition + 1)
+    return data, numbers + offset
 
 
 def _block(parts: list) -> _Routed:
@@ -452,57 +432,6 @@ def _step(partitions: int) -> int:
     return math.isqrt(partitions - 1) + 1
 
 
-def _send(tasks: dict, name: str, routed: list, partitions: int) -> list:
-    """Adds tasks that send rows to partitions. Returns for each block of chunks the keys
-    of its pieces, one for each partition. A block is one chunk, or with many partitions
-    several: then a chunk has two tasks for each group of partitions, and a block has one
-    for each partition."""
-    if partitions <= _ONE_STAGE:
-        blocks = [[key] * partitions for key in routed]
-    else:
-        step = _step(partitions)
-        blocks = []
-        for block, first in enumerate(range(0, len(routed), step)):
-            keys: list = []
-            for begin in range(0, partitions, step):
-                end = min(begin + step, partitions)
-                parts = [(f"{name}-part", chunk, begin)
-                         for chunk in range(first, min(first + step, len(routed)))]
-                tasks.update((part, (_part, routed[part[1]], begin, end)) for part in parts)
-                tasks[f"{name}-block", block, begin] = (_block, parts)
-                keys += [(f"{name}-block", block, begin)] * (end - begin)
-            blocks.append(keys)
-    pieces = []
-    for block, keys in enumerate(blocks):
-        pieces.append([(f"{name}-piece", block, p) for p in range(partitions)])
-        tasks.update((piece, (_piece, key, piece[2])) for piece, key in zip(pieces[-1], keys))
-    return pieces
-
-
-def _search(tasks: dict, name: str, routed: list, tree: BVH, search, *arguments) -> list:
-    """Adds tasks that search(partition, piece, *arguments). Returns for each chunk the
-    keys of all that was found of it. They come back as they were sent."""
-    partitions = tree.npartitions
-    blocks = []
-    for block, pieces in enumerate(_send(tasks, name, routed, partitions)):
-        blocks.append([(f"{name}-found", block, p) for p in range(partitions)])
-        for p, (key, piece) in enumerate(zip(blocks[-1], pieces)):
-            tasks[key] = (search, (tree._name, p), piece, *arguments)
-    if partitions <= _ONE_STAGE:
-        return blocks
-    step = _step(partitions)
-    found: list = []
-    for block, keys in enumerate(blocks):
-        begins = range(0, partitions, step)
-        for begin in begins:
-            tasks[f"{name}-sum", block, begin] = (_concatenate, keys[begin:begin + step])
-        for chunk in range(block * step, min((block + 1) * step, len(routed))):
-            found.append([(f"{name}-back", chunk, begin) for begin in begins])
-            tasks.update((key, (_of_chunk, (f"{name}-sum", block, key[2]), chunk))
-                         for key in found[-1])
-    return found
-
-
 def _concatenate(found: list) -> tuple:
     return tuple(map(np.concatenate, zip(*found)))
 
@@ -512,20 +441,17 @@ def _of_chunk(found: tuple, chunk: int) -> tuple:
     return tuple(column[some] for column in found)
 
 
-def _length(routed: _Routed) -> int:
-    return len(routed.data)
-
-
 def _sum_up(lengths: list) -> list:
     return list(itertools.accumulate(lengths, initial=0))
 
 
-def _firsts(tasks: dict, name: str, source: _Source, routed: list, length) -> list:
-    """The first row of each chunk, or a task that finds it."""
-    if source.sizes is not None:
-        return source.firsts
-    tasks[f"{name}-firsts"] = (_sum_up, [(length, key) for key in routed])
-    return [(operator.getitem, f"{name}-firsts", chunk) for chunk in range(len(routed))]
+def _offsets(lengths: list) -> list:
+    """What makes (chunk << _BITS) + row the row of the whole collection."""
+    return [first - (chunk << _BITS) for chunk, first in enumerate(_sum_up(lengths)[:-1])]
+
+
+def _length(routed: _Routed) -> int:
+    return len(routed.data)
 
 
 def _divisions(source: _Source):
@@ -533,18 +459,6 @@ def _divisions(source: _Source):
     if not source.sizes or 0 in source.sizes:
         return None
     return (*source.firsts[:-1], source.firsts[-1] - 1)
-
-
-def _frame(name: str, tasks: dict, dependencies, keys, columns: dict, index=None,
-           divisions=None):
-    """A dask DataFrame of the frames of some tasks."""
-    import dask.dataframe
-
-    lazy = _Lazy(name, tasks, dependencies)
-    meta = _pandas(index, np.empty(0, np.int64),
-                   {column: np.empty(0, kind) for column, kind in columns.items()})
-    return dask.dataframe.from_delayed([_delayed(lazy, key) for key in keys], meta=meta,
-                                       divisions=divisions, prefix=name, verify_meta=False)
 
 
 def _pandas(index, rows, columns: dict):
@@ -558,19 +472,19 @@ def _pandas(index, rows, columns: dict):
 # Tasks of a build.
 
 
-def _sample(boxes, chunk: int, where: str, most: int):
+def _sample(boxes, first: int, where: str, most: int):
     """Returns random boxes, for each how many objects it stands for, and the number of
     rows."""
     boxes = _rows(boxes, "boxes", where)
     count = min(len(boxes), most)
-    rows = np.random.default_rng(chunk).choice(len(boxes), count, replace=False)
+    rows = np.random.default_rng(first >> _BITS).choice(len(boxes), count, replace=False)
     return boxes[np.sort(rows)], np.full(count, len(boxes) / max(1, count)), len(boxes)
 
 
 @dataclasses.dataclass(frozen=True)
 class _Plan:
-    splits: _Splits
-    firsts: list  # rows
+    splits: typing.Any
+    offsets: list  # of rows
 
     @staticmethod
     def of(samples: list, partitions: int, by_pairs: bool) -> _Plan:
@@ -581,13 +495,14 @@ class _Plan:
                 raise ValueError(f"in chunk {chunk}: boxes have the shape (n, {some.shape[1]}), "
                                  f"and those in chunk 0 (n, {width})")
         return _Plan(_split_sample(np.concatenate(boxes), np.concatenate(stands_for),
-                                   partitions, by_pairs), _sum_up(lengths))
+                                   partitions, by_pairs), _offsets(lengths))
 
 
-def _distribute(boxes, chunk: int, where: str, plan: _Plan) -> _Routed:
+def _distribute(boxes, first: int, where: str, plan: _Plan) -> _Routed:
     boxes = _rows(boxes, "boxes", where)
-    partitions = plan.splits.partitions_of(_centers(boxes))
-    return _Routed.to(partitions, np.arange(len(boxes)), boxes, plan.firsts[chunk])
+    partitions = _partitions_of(plan.splits, _centers(boxes))
+    return _Routed.to(partitions, np.arange(len(boxes)), boxes,
+                      first + plan.offsets[first >> _BITS])
 
 
 def _build(pieces, mapped: bool) -> _Partition:
@@ -648,19 +563,20 @@ def _route_border(partition: _Partition, top: _Top, after: int) -> _Routed:
     _check_widths(top.bounds.shape[1], len(partition.tree.bounds))
     others = top.tree.query(partition.tree.bounds)
     others = others[others > after]
-    boxes = partition.tree.boxes()
     found, ids = partition.tree.query(top.bounds[others])
-    return _Routed.to(others[found], ids, boxes, partition.rows)
+    rows, places = np.unique(ids, return_inverse=True)
+    return _Routed.to(others[found], places, partition.tree.boxes(rows),
+                      partition.rows[rows])
 
 
 def _all_pairs_in(partition: _Partition, piece):
     return _pairs_in(partition, piece, 0, len(piece[0]))
 
 
-def _frame_of_query(found: list, chunk: int, first: int):
+def _frame_of_query(found: list, offset: int):
     rows, ids = _concatenate(found)
     order = np.lexsort((ids, rows))
-    return _pandas("row", rows[order] - (chunk << _BITS) + first, {"id": ids[order]})
+    return _pandas("row", rows[order] + offset, {"id": ids[order]})
 
 
 def _frame_of_pairs(partition: _Partition, pieces: list):
@@ -672,12 +588,6 @@ def _frame_of_pairs(partition: _Partition, pieces: list):
 def _frame_of_join(partition: _Partition, pieces: list):
     j, i = _concatenate([_all_pairs_in(partition, piece) for piece in pieces])
     return _pandas(None, None, {"i": i, "j": j})
-
-
-def _border(partition: _Partition, bounds: np.ndarray):
-    """The objects of a partition that overlap the bounds of another."""
-    ids = partition.tree.query(bounds)
-    return partition.tree.boxes(ids), partition.rows[ids]
 
 
 def _pairs_in(partition: _Partition, piece, begin: int, end: int):
@@ -713,7 +623,7 @@ def _ranges(partition: _Partition, piece, most: int) -> list[tuple[int, int]]:
     return ranges
 
 
-def _batches(pairs_in, partition: _Partition, piece, most: int, ranges=None):
+def _batches(pairs_in, partition: _Partition, piece, most: int, ranges):
     """Yields (pairs, begin, ranges that are left): at most `most` pairs, or those of
     one row. Without `piece`, it is all objects of the partition."""
     if piece is None:
@@ -729,22 +639,22 @@ def _batches(pairs_in, partition: _Partition, piece, most: int, ranges=None):
             yield pairs, begin, left
 
 
-def _some_pairs(pairs_in, partition: _Partition, piece, most: int, ranges=None):
+def _some_pairs(pairs_in, partition: _Partition, piece, most: int, ranges):
     """Returns the first batch, and the ranges that are left."""
     for pairs, _, left in _batches(pairs_in, partition, piece, most, ranges):
         return pairs, list(left)
     return (np.empty(0, np.int64), np.empty(0, np.int64)), []
 
 
-def _write_pairs(pairs_in, partition: _Partition, piece, most: int, prefix: str):
-    """Writes all pairs, a file for each batch, and returns the paths. If the task runs
-    again, it writes the same files."""
-    paths = []
-    for pairs, begin, _ in _batches(pairs_in, partition, piece, most):
+def _write_pairs(pairs_in, partition: _Partition, piece, prefix: str, most: int, ranges):
+    """Writes all pairs, a file for each batch, and returns the paths, and that no ranges
+    are left. If the task runs again, it writes the same files."""
+    paths: list = []
+    for pairs, begin, _ in _batches(pairs_in, partition, piece, most, ranges):
         path = f"{prefix}-{begin:09}.npy"
         _files.replace(path, lambda file: np.save(file, np.stack(pairs)))
         paths.append(path)
-    return paths
+    return paths, []
 
 
 # Tasks of k nearest.
@@ -811,20 +721,20 @@ def _best(found: list, k: int):
 
 
 def _merge(home: _Routed, k: int, found: list):
-    first, count = home.first, len(home.data)
+    """All ids and distances of a chunk, and its number of rows."""
+    count = len(home.data)
     all_ids = np.full((count, k), -1, np.int64)
     all_distances = np.full((count, k), np.inf, np.float32)
     if found:
         rows, rank, ids, distances = _best(found, k)
-        all_ids[rows - first, rank] = ids
-        all_distances[rows - first, rank] = distances
-    return np.arange(first, first + count), all_ids, all_distances
+        all_ids[rows - home.first, rank] = ids
+        all_distances[rows - home.first, rank] = distances
+    return all_ids, all_distances, count
 
 
-def _frame_of_nearest(found: list, k: int, chunk: int, first: int):
+def _frame_of_nearest(found: list, offset: int, k: int):
     rows, _, ids, distances = _best(found, k)
-    return _pandas("row", rows - (chunk << _BITS) + first,
-                   {"id": ids, "distance": distances})
+    return _pandas("row", rows + offset, {"id": ids, "distance": distances})
 
 
 # Running tasks.
@@ -845,11 +755,115 @@ def _cluster() -> tuple[int, int]:
             sum(limits) if all(limits) else 0)
 
 
-def _length_of(chunk) -> int:
-    return len(_without_names(chunk))
+class _Steps:
+    """The steps of searches. A subclass has add(function, *arguments), which makes a task,
+    and each(items, start), which returns start(item) of each item."""
+
+    def each_chunk(self, source, function, *arguments):
+        """Makes a task for each chunk: function(rows, chunk << _BITS, where, ...)."""
+        return self.each(range(len(source.keys)), lambda chunk: self.add(
+            function, self.rows_of(source, chunk), chunk << _BITS, source.where(chunk),
+            *arguments))
+
+    def borders(self, of, to, are_own):
+        """Makes a task for each partition of a tree. It sends objects to the partitions of
+        another tree, or for pairs of one tree to the partitions after it."""
+        return self.each(enumerate(of.partitions), lambda its: self.add(
+            _route_border, its[1], to.top, its[0] if are_own else -1))
+
+    def nearest(self, source, placed, k, max_distance):
+        """Returns for each chunk what was sent to its nearest partitions, what these found,
+        what was sent on, and what the other partitions found."""
+        def send_on(its):
+            return *its, self.add(_send_on, *its, placed.top, k, max_distance)
+
+        homes = zip(self.each_chunk(source, _send_home, placed.top, k))
+        found = self.search(homes, placed, _nearest_in, k, max_distance)
+        return self.search(self.each(found, send_on), placed, _nearest_in, k, max_distance)
 
 
-class _Runner:
+class _Tasks(_Steps, dict):
+    """The lazy tasks of a layer by key."""
+
+    def __init__(self, what: str):
+        super().__init__()
+        # Not of the arguments: a file that changed between two calls must be read again.
+        self.name = f"halfspace-{what}-{uuid.uuid4().hex}"
+
+    def add(self, function, *arguments):
+        """Adds a task, and returns its key."""
+        key = f"{self.name}-{function.__name__}", len(self)
+        self[key] = (function, *arguments)
+        return key
+
+    @staticmethod
+    def each(items, start) -> list:
+        return list(map(start, items))
+
+    @staticmethod
+    def rows_of(source: _Source, chunk: int):
+        return source.keys[chunk]
+
+    def send(self, routed: list, partitions: int) -> list:
+        """Adds tasks that send rows to partitions. Returns for each block of chunks the
+        keys of its pieces, one for each partition. A block is one chunk, or with many
+        partitions several: then a chunk has two tasks for each group of partitions, and
+        a block has one for each partition."""
+        blocks = [[key] * partitions for key in routed]
+        if partitions > _ONE_STAGE:
+            step = _step(partitions)
+            blocks = []
+            for first in range(0, len(routed), step):
+                blocks.append([])
+                for begin in range(0, partitions, step):
+                    end = min(begin + step, partitions)
+                    parts = [self.add(_rows_to, key, begin, end)
+                             for key in routed[first:first + step]]
+                    blocks[-1] += [self.add(_block, parts)] * (end - begin)
+        return [[self.add(_piece, key, p) for p, key in enumerate(keys)] for keys in blocks]
+
+    def search(self, items, placed: _Placed, search, *arguments) -> list:
+        """Adds the tasks search(partition, piece, *arguments). The last element of an item
+        is the key of what is routed. Returns the items with one more element: the keys of
+        what is found. Results come back to their chunks as the rows were sent."""
+        items, partitions = list(items), len(placed.partitions)
+        found = [[self.add(search, partition, piece, *arguments)
+                  for partition, piece in zip(placed.partitions, pieces)]
+                 for pieces in self.send([its[-1] for its in items], partitions)]
+        if partitions > _ONE_STAGE:
+            step, blocks = _step(partitions), found
+            found = []
+            for keys in blocks:
+                sums = [self.add(_concatenate, keys[begin:begin + step])
+                        for begin in range(0, partitions, step)]
+                found += [[self.add(_of_chunk, its_sum, chunk) for its_sum in sums]
+                          for chunk in range(len(found), min(len(found) + step, len(items)))]
+        return [(*its, keys) for its, keys in zip(items, found)]
+
+    def frame(self, dependencies, keys, columns: dict, index=None, divisions=None):
+        """A dask DataFrame of the frames of some tasks."""
+        import dask.dataframe
+
+        lazy = _Lazy(self.name, self, dependencies)
+        meta = _pandas(index, np.empty(0, np.int64),
+                       {column: np.empty(0, kind) for column, kind in columns.items()})
+        return dask.dataframe.from_delayed([_delayed(lazy, key) for key in keys], meta=meta,
+                                           divisions=divisions, prefix=self.name,
+                                           verify_meta=False)
+
+    def frames_of_chunks(self, source: _Source, lengths: list, frame_of, found, *arguments):
+        """Adds tasks that make a frame of what was found of each chunk, with numbers of
+        rows in the whole collection. `lengths` are tasks that return numbers of rows."""
+        if source.sizes is not None:
+            offsets = _offsets(source.sizes)
+        else:
+            its = self.add(_offsets, lengths)
+            offsets = [(operator.getitem, its, chunk) for chunk in range(len(lengths))]
+        return [self.add(frame_of, its_found, offset, *arguments)
+                for its_found, offset in zip(found, offsets)]
+
+
+class _Runner(_Steps):
     """Submits tasks, and yields their results with a bound on how many wait."""
 
     def __init__(self):
@@ -859,32 +873,49 @@ class _Runner:
         with contextlib.suppress(ValueError, AttributeError, KeyError):  # no task, or not again
             distributed.secede()
 
-    def submit(self, function, *arguments) -> distributed.Future:
+    def add(self, function, *arguments) -> distributed.Future:
         # Not pure: a file that changed between two calls must be read again.
         return self.client.submit(function, *arguments, pure=False)
 
-    def chunks(self, source: _Source):
-        """Yields the number of each chunk, its first row, and a function that returns its
-        future. Chunks of unknown sizes are read once more."""
-        lazy = _Lazy(_name("chunks"), {}, source.collections)
+    def rows_of(self, source: _Source, chunk: int) -> distributed.Future:
+        lazy = _Lazy(_Tasks("chunk").name, {}, source.collections)
+        return self.client.compute(_delayed(lazy, source.keys[chunk]))
 
-        def read(chunk: int) -> distributed.Future:
-            return self.client.compute(_delayed(lazy, source.keys[chunk]))
+    def search(self, items, placed: _Placed, search, *arguments):
+        """The same with futures, for the partitions that get rows."""
+        def start(its):
+            *_, routed = its
+            _, partitions = self.add(_about_routed, routed).result()
+            return *its, [self.add(search, placed.partitions[p], self.add(_piece, routed, p),
+                                   *arguments) for p in partitions]
 
-        sizes = source.sizes
-        if sizes is None:
-            # One after another, as each is in memory.
-            read_length = (lambda chunk: self.submit(_length_of, read(chunk)))
-            sizes = [future.result()
-                     for future in self.ahead(range(len(source.keys)), read_length)]
-        for chunk, first in enumerate(_sum_up(sizes)[:-1]):
-            if sizes[chunk] > 0:
-                yield chunk, first, functools.partial(read, chunk)
+        return self.each(items, start)
 
-    def border(self, of: _Placed, q: int, p: int, its: _Placed) -> distributed.Future:
-        return self.submit(_border, of.partitions[q], its.top.bounds[p])
+    def joins(self, pairs_in, routed, placed: _Placed, are_chunks: bool = True):
+        """Yields the joins of pairs(), one for each partition that gets rows."""
+        def about(one):
+            return one, self.add(_about_routed, one)
 
-    def ahead(self, items, start):
+        first = 0
+        for chunk, (one, its) in enumerate(self.each(routed, about)):
+            length, partitions = its.result()
+            offset = first - (chunk << _BITS) if are_chunks else 0
+            for p in partitions:
+                yield pairs_in, placed.partitions[p], self.add(_piece, one, p, offset)
+            first += length
+
+    @staticmethod
+    def by_row(futures):
+        """Yields the number of the first row of each chunk, and its results. The last
+        result of a future is the number of rows."""
+        first = 0
+        for future in futures:
+            *found, length = future.result()
+            if length > 0:
+                yield first, *found
+            first += length
+
+    def each(self, items, start):
         """Yields start(item) of each item, of which a few were started before."""
         window: collections.deque = collections.deque()
         for item in items:
@@ -893,64 +924,52 @@ class _Runner:
                 yield window.popleft()
         yield from window
 
-    def stream(self, jobs, follow=None):
-        """Yields the results of jobs as they arrive. A job is a future, and None or a
-        function of the result that returns what to yield, and an iterable of more jobs.
-        A task is submitted when its job is taken from its iterable, so at most two for
-        each thread run, or wait with their results. `follow` gets the futures of these."""
-        waiting: collections.deque = collections.deque([iter(jobs)])
-        running = distributed.as_completed()
-        follow = {} if follow is None else follow
+    def stream(self, task, joins, most: int, running: dict):
+        """Yields the results of task(*join, most, ranges), as they arrive. A task returns
+        what to yield, and the ranges of rows that are left, which are jobs like others.
+        Two tasks for each thread run, or wait with their results. `running` has their
+        futures."""
+        waiting: collections.deque = collections.deque([((join, None) for join in joins)])
+        arriving = distributed.as_completed()
         while True:
-            while waiting and len(follow) < 2 * self.threads:
+            while waiting and len(running) < 2 * self.threads:
                 job = next(waiting[0], None)
                 if job is None:
                     waiting.popleft()
                     continue
-                follow[job[0]] = job[1]
-                running.add(job[0])
-            if not follow:
+                join, ranges = job
+                future = self.add(task, *join, most, ranges)
+                running[future] = join
+                arriving.add(future)
+            if not running:
                 return
-            job = None
-            future = next(running)
-            function = follow.pop(future)
-            result = future.result()
+            future = next(arriving)
+            join = running.pop(future)
+            result, left = future.result()
             del future  # its result may leave the workers
-            if function is not None:
-                result, more = function(result)
-                waiting.appendleft(iter(more))
+            waiting.appendleft(zip(itertools.repeat(join), ([some] for some in left)))
             yield result
 
     def pairs(self, joins, most: int, to):
         """Streams the pairs of (pairs_in, partition, piece), or writes them."""
         most = _arrays.positive(most, "max_results", 2**63 - 1)
+        running: dict = {}
         if to is None:
-            return self._stream_pairs(joins, most)
+            found = self.stream(_some_pairs, joins, most, running)
+            return (pairs for pairs in found if len(pairs[0]))
         to = os.path.abspath(to)
         os.makedirs(to, exist_ok=True)
         # A second call writes other files, and a task that runs twice the same.
         name = os.path.join(to, uuid.uuid4().hex)
-        jobs = ((self.submit(_write_pairs, *join, most, f"{name}-{n:09}"), None)
-                for n, join in enumerate(joins))
-        running: dict = {}
+        joins = ((*join, f"{name}-{n:09}") for n, join in enumerate(joins))
         try:
-            return sorted(itertools.chain.from_iterable(self.stream(jobs, running)))
+            return sorted(itertools.chain.from_iterable(
+                self.stream(_write_pairs, joins, most, running)))
         except Exception:
             distributed.wait(list(running))  # they write, too
             for path in glob.iglob(glob.escape(name) + "*"):
                 os.unlink(path)
             raise
-
-    def _stream_pairs(self, joins, most: int):
-        def job(join, ranges=None):
-            return (self.submit(_some_pairs, *join, most, ranges),
-                    functools.partial(follow, join))
-
-        def follow(join, result):
-            pairs, left = result
-            return pairs, (job(join, [some]) for some in left)
-
-        return (pairs for pairs in self.stream(map(job, joins)) if len(pairs[0]))
 
 
 # The interface.
@@ -958,16 +977,16 @@ class _Runner:
 
 @dataclasses.dataclass
 class _Placed:
-    """The partitions on a cluster."""
+    """The partitions, and what tasks know of all of them: keys, or futures of a client."""
 
-    client: distributed.Client
     partitions: list
-    top_future: distributed.Future
-    top: _Top
+    top: typing.Any
+    client: distributed.Client | None = None
+    known: typing.Any = None  # the result of `top`
 
     def is_lost(self) -> bool:
         return any(future.status in ("cancelled", "lost", "error")
-                   for future in (*self.partitions, self.top_future))
+                   for future in (*self.partitions, self.top))
 
 
 class BVH(_Lazy, dask.base.DaskMethodsMixin):
@@ -1012,21 +1031,15 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
         samples = source if is_small else _source(_again(boxes), "boxes", (4, 6))
         self._partitions = count
 
-        name, chunks = _name("bvh"), range(len(source.keys))
-        tasks: dict = {}
-        most = -(-_SAMPLE_PER_PARTITION * count // len(chunks))
-        for chunk in chunks:
-            where = source.where(chunk)
-            tasks[f"{name}-sample", chunk] = (_sample, samples.keys[chunk], chunk, where, most)
-            tasks[f"{name}-send", chunk] = (_distribute, source.keys[chunk], chunk, where,
-                                            f"{name}-plan")
-        tasks[f"{name}-plan"] = (_Plan.of, [(f"{name}-sample", chunk) for chunk in chunks],
-                                 count, balance == "pairs")
-        blocks = _send(tasks, name, [(f"{name}-send", chunk) for chunk in chunks], count)
-        for p, pieces in enumerate(zip(*blocks)):
-            tasks[name, p] = (_build, list(pieces), bool(mapped))
-        tasks[name, count] = (_Top.of, [(_about, (name, p)) for p in range(count)])
-        super().__init__(name, tasks, source.collections + samples.collections)
+        tasks = _Tasks("bvh")
+        most = -(-_SAMPLE_PER_PARTITION * count // len(source.keys))
+        plan = tasks.add(_Plan.of, tasks.each_chunk(samples, _sample, most), count,
+                         balance == "pairs")
+        sent = tasks.each_chunk(source, _distribute, plan)
+        for p, pieces in enumerate(zip(*tasks.send(sent, count))):
+            tasks[tasks.name, p] = (_build, list(pieces), bool(mapped))
+        tasks[tasks.name, count] = (_Top.of, [(_about, (tasks.name, p)) for p in range(count)])
+        super().__init__(tasks.name, tasks, source.collections + samples.collections)
 
     __dask_scheduler__ = staticmethod(dask.threaded.get)
 
@@ -1082,12 +1095,13 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
         return f"<halfspace.dask.BVH: {size}{self._partitions} partitions>"
 
     def _top(self) -> Delayed:
-        graph = self.__dask_optimize__(self._graph, [self._top_key])
-        return _delayed(_Lazy(_name("top"), graph), self._top_key)
+        graph = self.__dask_optimize__(self._graph, [self._keys.top])
+        return _delayed(_Lazy(_Tasks("top").name, graph), self._keys.top)
 
     @property
-    def _top_key(self):
-        return self._name, self._partitions
+    def _keys(self) -> _Placed:
+        *partitions, top = self.__dask_keys__()
+        return _Placed(partitions, top)
 
     @property
     def nbytes(self) -> Delayed:
@@ -1112,16 +1126,10 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
         and divisions if the sizes of chunks are known.
         """
         source = self._probes(boxes, "boxes", 2)
-        name = _name("query")
-        tasks: dict = {}
-        routed = self._route(tasks, name, source, _route, self._top_key)
-        firsts = _firsts(tasks, name, source, routed, _length)
-        found = _search(tasks, name, routed, self, _all_pairs_in)
-        for chunk, keys in enumerate(found):
-            tasks[name, chunk] = (_frame_of_query, keys, chunk, firsts[chunk])
-        return _frame(name, tasks, [self, *source.collections],
-                      [(name, chunk) for chunk in range(len(found))], {"id": np.int64},
-                      "row", _divisions(source))
+        tasks = _Tasks("query")
+        routed = tasks.each_chunk(source, _route, self._keys.top)
+        found = tasks.search(zip(routed), self._keys, _all_pairs_in)
+        return self._frame_by_row(tasks, source, found, _frame_of_query, {"id": np.int64})
 
     def pairs(self):
         """Finds each pair of overlapping objects once, as "i" and "j" with i < j.
@@ -1147,31 +1155,23 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
         k = _arrays.positive(k, "k")
         max_distance = _arrays.not_negative(max_distance, "max_distance")
         source = self._probes(points, "points", 1, 2)
-        name = _name("nearest")
-        tasks: dict = {}
-        home = self._route(tasks, name, source, _send_home, self._top_key, k)
-        firsts = _firsts(tasks, name, source, home, _length)
-        first = _search(tasks, name, home, self, _nearest_in, k, max_distance)
-        on = [(f"{name}-on", chunk) for chunk in range(len(home))]
-        tasks.update((key, (_send_on, home[key[1]], first[key[1]], self._top_key, k,
-                            max_distance)) for key in on)
-        second = _search(tasks, f"{name}-again", on, self, _nearest_in, k, max_distance)
-        for chunk, keys in enumerate(map(operator.add, first, second)):
-            tasks[name, chunk] = (_frame_of_nearest, keys, k, chunk, firsts[chunk])
-        return _frame(name, tasks, [self, *source.collections],
-                      [(name, chunk) for chunk in range(len(home))],
-                      {"id": np.int64, "distance": np.float32}, "row", _divisions(source))
+        tasks = _Tasks("nearest")
+        found = tasks.nearest(source, self._keys, k, max_distance)
+        return self._frame_by_row(tasks, source, found, _frame_of_nearest,
+                                  {"id": np.int64, "distance": np.float32}, k)
 
     def _probes(self, source, name: str, *of_width) -> _Source:
         dims = (self._width // 2,) if self._width else (2, 3)
         return _source(source, name, tuple(n * d for n in of_width for d in dims))
 
-    @staticmethod
-    def _route(tasks: dict, name: str, source: _Source, route, *arguments) -> list:
-        keys = [(f"{name}-send", chunk) for chunk in range(len(source.keys))]
-        tasks.update((key, (route, source.keys[key[1]], key[1] << _BITS,
-                            source.where(key[1]), *arguments)) for key in keys)
-        return keys
+    def _frame_by_row(self, tasks: _Tasks, source: _Source, items: list, frame_of,
+                      columns: dict, *arguments):
+        """The frame of one search of each chunk, or of two."""
+        lengths = [(_length, its[0]) for its in items]
+        found: list = [sum(its[1::2], []) for its in items]
+        frames = tasks.frames_of_chunks(source, lengths, frame_of, found, *arguments)
+        return tasks.frame([self, *source.collections], frames, columns, "row",
+                           _divisions(source))
 
     # At once, on a cluster.
 
@@ -1185,7 +1185,7 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
             built = run.client.persist(tree)
             graph = dict(built.__dask_graph__())
             *partitions, top = (graph[key] for key in built.__dask_keys__())
-            placed = self._on_cluster = _Placed(run.client, partitions, top, top.result())
+            placed = self._on_cluster = _Placed(partitions, top, run.client, top.result())
         return placed
 
     def query_batches(self, boxes, *, max_results: int = MAX_RESULTS, to=None):
@@ -1201,11 +1201,8 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
         """
         run, source = _Runner(), self._probes(boxes, "boxes", 2)
         placed = self._place(run)
-        routed = run.ahead(run.chunks(source), lambda chunk: run.submit(
-            _route, chunk[2](), chunk[1], source.where(chunk[0]), placed.top_future))
-        joins = ((_pairs_in, placed.partitions[p], run.submit(_piece, one, p))
-                 for one in routed for p in run.submit(_targets, one).result())
-        return run.pairs(joins, max_results, to)
+        routed = run.each_chunk(source, _route, placed.top)
+        return run.pairs(run.joins(_pairs_in, routed, placed), max_results, to)
 
     def pairs_batches(self, *, max_results: int = MAX_RESULTS, to=None):
         """Finds each pair of overlapping objects once, as (i, j) with i < j.
@@ -1215,8 +1212,7 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
         run = _Runner()
         placed = self._place(run)
         own = ((_own_pairs_in, partition, None) for partition in placed.partitions)
-        border = ((_border_pairs_in, placed.partitions[p], run.border(placed, q, p, placed))
-                  for p, q in zip(*placed.top.tree.pairs()))
+        border = run.joins(_border_pairs_in, run.borders(placed, placed, True), placed, False)
         return run.pairs(itertools.chain(own, border), max_results, to)
 
     def nearest_batches(self, points, k: int = 1, max_distance: float = math.inf):
@@ -1229,37 +1225,20 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
         k = _arrays.positive(k, "k")
         max_distance = _arrays.not_negative(max_distance, "max_distance")
         run, source = _Runner(), self._probes(points, "points", 1, 2)
-        placed = self._place(run)
-
-        def search(routed):
-            return [run.submit(_nearest_in, placed.partitions[p],
-                               run.submit(_piece, routed, p), k, max_distance)
-                    for p in run.submit(_targets, routed).result()]
-
-        def send_on(home):
-            found = search(home)
-            return home, found, run.submit(_send_on, home, found, placed.top_future, k,
-                                           max_distance)
-
-        homes = run.ahead(run.chunks(source), lambda chunk: run.submit(
-            _send_home, chunk[2](), chunk[1], source.where(chunk[0]), placed.top_future, k))
-        return run.stream((run.submit(_merge, home, k, found + search(on)), None)
-                          for home, found, on in run.ahead(homes, send_on))
+        found = run.nearest(source, self._place(run), k, max_distance)
+        merged = run.each(found, lambda its: run.add(_merge, its[0], k, its[1] + its[3]))
+        return ((first + np.arange(len(ids)), ids, distances)
+                for first, ids, distances in run.by_row(merged))
 
 
 def _join(a: BVH, b: BVH, frame_of):
-    """The frames of the partitions of `a`, and what those of `b` send to them: for the
-    pairs of one tree, only to the partitions after them."""
-    name = _name("join")
-    tasks: dict = {}
-    borders = [(f"{name}-send", p) for p in range(b.npartitions)]
-    tasks.update((key, (_route_border, (b._name, key[1]), a._top_key,
-                        key[1] if frame_of is _frame_of_pairs else -1))
-                 for key in borders)
-    for p, pieces in enumerate(zip(*_send(tasks, name, borders, a.npartitions))):
-        tasks[name, p] = (frame_of, (a._name, p), list(pieces))
-    return _frame(name, tasks, [a, b], [(name, p) for p in range(a.npartitions)],
-                  {"i": np.int64, "j": np.int64})
+    """The frames of the partitions of `a`, and what those of `b` send to them."""
+    tasks, its, others = _Tasks("join"), a._keys, b._keys
+    borders = tasks.borders(others, its, frame_of is _frame_of_pairs)
+    pieces = zip(*tasks.send(borders, a.npartitions))
+    frames = [tasks.add(frame_of, partition, list(some))
+              for partition, some in zip(its.partitions, pieces)]
+    return tasks.frame([a, b], frames, {"i": np.int64, "j": np.int64})
 
 
 def _check_trees(a: BVH, b: BVH) -> None:
@@ -1292,9 +1271,8 @@ def join_batches(a: BVH, b: BVH, *, max_results: int = MAX_RESULTS, to=None):
     _check_trees(a, b)
     run = _Runner()
     its, other = a._place(run), b._place(run)
-    _check_widths(its.top.bounds.shape[1], other.top.bounds.shape[1])
-    joins = ((_join_in, its.partitions[p], run.border(other, q, p, its))
-             for p, q in zip(*hs.join(its.top.tree, other.top.tree)))
+    _check_widths(its.known.bounds.shape[1], other.known.bounds.shape[1])
+    joins = run.joins(_join_in, run.borders(other, its, False), its, False)
     return run.pairs(joins, max_results, to)
 
 
@@ -1309,18 +1287,13 @@ def scan(boxes, queries, *, quantized: bool = False):
     `boxes`, and a partition for each chunk of boxes.
     """
     source, queries = _source_of_scan(boxes, queries)
-    name = _name("scan")
-    its_queries = f"{name}-queries"
-    tasks: dict = {its_queries: queries}
-    found = [(f"{name}-found", chunk) for chunk in range(len(source.keys))]
-    tasks.update((key, (_scan, source.keys[key[1]], 0, source.where(key[1]), its_queries,
-                        quantized)) for key in found)
-    firsts = _firsts(tasks, name, source, found, operator.itemgetter(2))
-    for chunk, key in enumerate(found):
-        tasks[name, chunk] = (_frame_of_scan, key, firsts[chunk])
-    return _frame(name, tasks, source.collections,
-                  [(name, chunk) for chunk in range(len(found))],
-                  {"row": np.int64, "id": np.int64})
+    tasks = _Tasks("scan")
+    its_queries = f"{tasks.name}-queries"
+    tasks[its_queries] = queries
+    found = tasks.each_chunk(source, _scan, its_queries, quantized)
+    lengths = [(operator.itemgetter(2), key) for key in found]
+    frames = tasks.frames_of_chunks(source, lengths, _frame_of_scan, found)
+    return tasks.frame(source.collections, frames, {"row": np.int64, "id": np.int64})
 
 
 def scan_batches(boxes, queries, *, quantized: bool = False):
@@ -1328,9 +1301,8 @@ def scan_batches(boxes, queries, *, quantized: bool = False):
     arrays for each chunk of boxes."""
     run = _Runner()
     source, queries = _source_of_scan(boxes, queries)
-    return run.stream((run.submit(_scan, read(), first, source.where(chunk), queries,
-                                  quantized), lambda found: (found[:2], []))
-                      for chunk, first, read in run.chunks(source))
+    found = run.by_row(run.each_chunk(source, _scan, queries, quantized))
+    return ((rows, (ids & (1 << _BITS) - 1) + first) for first, rows, ids in found)
 
 
 def _source_of_scan(boxes, queries):
@@ -1348,5 +1320,5 @@ def _scan(boxes, first: int, where: str, queries, quantized: bool):
     return rows, ids + first, len(boxes)
 
 
-def _frame_of_scan(found: tuple, first: int):
-    return _pandas(None, None, {"row": found[0], "id": found[1] + first})
+def _frame_of_scan(found: tuple, offset: int):
+    return _pandas(None, None, {"row": found[0], "id": found[1] + offset})

@@ -353,18 +353,9 @@ ERRORS = {
     "collides_with[0]: expected an integer from 0 to 2^32 - 1, got 4294967296": (
         lambda b: b.set_masks([1], 1, 2**32)
     ),
-    "mask: expected an integer from 0 to 2^32 - 1": lambda b: b.query(BOX, mask=2**32),
-    "margin: expected a finite float32": lambda b: b.pairs_of([1], margin=np.inf),
-    "margin: expected a number that is not negative": lambda b: b.pairs_of([1], margin=-1),
     "dimensions: expected 2 or 3, got 4": lambda b: hs.BroadPhase(4),
     'kind: expected "aabb" or "aabo"': lambda b: hs.BroadPhase(kind="box"),
-    "points: expected points of shape (n, 2) or (2,)": lambda b: b.nearest([0, 0, 0]),
-    "k: expected an integer from 1": lambda b: b.nearest([0, 0], 0),
     "budget: expected at least 0, got -1": lambda b: b.update(-1),
-    "radii: expected numbers that are not negative": lambda b: b.query_sphere([0, 0], -1),
-    "directions: expected as many rows as origins": lambda b: b.raycast(
-        [[0, 0]] * 2, [[1, 0]] * 3
-    ),
     "directions: expected as many rows as centers": lambda b: b.spherecast(
         [[0, 0]] * 2, 1, [[1, 0]] * 3
     ),

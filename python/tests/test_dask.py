@@ -1,10 +1,11 @@
 """halfspace.dask: results are those of one process. Lazy calls are computed in this process,
-and calls in batches on a cluster of two processes."""
+and calls in batches on a cluster of two processes: two forms of the same calls."""
 
 import math
 import os
 import pickle
 import signal
+import types
 
 import numpy as np
 import pytest
@@ -59,60 +60,10 @@ def chunked(boxes, chunk=700):
     return dask.array.from_array(boxes, chunks=(chunk, -1))
 
 
-def pairs_of(batches, key=lambda i, j: (i, j)):
-    found = [np.stack(batch, 1) for batch in batches]
-    found = np.concatenate([np.empty((0, 2), np.int64), *found])
+def pairs_of(batches):
+    """The sorted rows of a result in batches."""
+    found = np.concatenate([np.empty((0, 2), np.int64), *(np.stack(b, 1) for b in batches)])
     return found[np.lexsort((found[:, 1], found[:, 0]))]
-
-
-WORLDS = [uniform, skewed, special]
-
-
-@pytest.mark.parametrize("dims", [2, 3])
-@pytest.mark.parametrize("world", WORLDS)
-def test_answers_are_those_of_one_process(client, world, dims):
-    rng = np.random.default_rng(1)
-    boxes = world(rng, 5000, dims)
-    probes = world(rng, 2100, dims)
-    tree = hd.BVH(chunked(boxes), partitions=5)
-    one = hs.BVH(boxes)
-    assert len(tree) == 5000
-    assert tree.sizes.compute().sum() == 5000
-
-    np.testing.assert_array_equal(pairs_of(tree.query_batches(chunked(probes))),
-                                  pairs_of([one.query(probes)]))
-    i, j = one.pairs()
-    np.testing.assert_array_equal(pairs_of(tree.pairs_batches()),
-                                  pairs_of([(np.minimum(i, j), np.maximum(i, j))]))
-    other = hd.BVH(probes, partitions=3)
-    np.testing.assert_array_equal(pairs_of(hd.join_batches(tree, other)),
-                                  pairs_of([hs.join(one, hs.BVH(probes))]))
-    np.testing.assert_array_equal(pairs_of(hd.scan_batches(chunked(boxes), probes[:10])),
-                                  pairs_of([one.query(probes[:10])]))
-
-
-@pytest.mark.parametrize("k, max_distance", [(1, np.inf), (8, np.inf), (8, 0.02),
-                                             (1500, np.inf), (3, 0)])
-@pytest.mark.parametrize("world", WORLDS)
-def test_nearest_is_that_of_one_process(client, world, k, max_distance):
-    rng = np.random.default_rng(2)
-    boxes = world(rng, 2000)
-    points = rng.random((900, 3)) * 1.4 - 0.2
-    tree = hd.BVH(boxes, partitions=6)
-    ids, distances = hs.BVH(boxes).nearest(points, k=k, max_distance=max_distance)
-    distances = distances.reshape(len(points), k)
-    seen = np.zeros(len(points), bool)
-    for rows, found, far in tree.nearest_batches(chunked(points, 250), k, max_distance):
-        seen[rows] = True
-        np.testing.assert_array_equal(far, distances[rows])
-        assert ((found < 0) == np.isinf(far)).all()
-        for row, of_row, far_of_row in zip(rows[:20], found, far):
-            real = of_row[of_row >= 0]
-            assert len(np.unique(real)) == len(real)
-            low = np.maximum(boxes[real, :3] - points[row], points[row] - boxes[real, 3:])
-            exact = np.linalg.norm(np.maximum(low, 0), axis=1)
-            np.testing.assert_allclose(exact, far_of_row[:len(real)], rtol=1e-4, atol=1e-6)
-    assert seen.all()
 
 
 def table(frame, *columns):
@@ -132,57 +83,96 @@ def no_client(monkeypatch):
         yield
 
 
-@pytest.mark.parametrize("partitions", [1, 5, 40])
+def columns_of_nearest(frame):
+    """The rows, ids and distances of a lazy result."""
+    found = frame.compute()
+    return found.index.to_numpy(), found["id"].to_numpy(), found["distance"].to_numpy()
+
+
+def found_nearest(batches):
+    """The same of a result in batches, which has all rows and k columns."""
+    rows, ids, distances = map(np.concatenate, zip(*batches))
+    np.testing.assert_array_equal(rows, np.arange(len(rows)))
+    np.testing.assert_array_equal(ids < 0, np.isinf(distances))
+    return np.nonzero(ids >= 0)[0], ids[ids >= 0], distances[ids >= 0]
+
+
+LAZY = types.SimpleNamespace(
+    client="no_client",
+    query=lambda tree, boxes: table(tree.query(boxes), "row", "id"),
+    pairs=lambda tree: table(tree.pairs(), "i", "j"),
+    join=lambda a, b: table(hd.join(a, b), "i", "j"),
+    scan=lambda boxes, queries: table(hd.scan(boxes, queries), "row", "id"),
+    nearest=lambda tree, *arguments: columns_of_nearest(tree.nearest(*arguments)))
+BATCHES = types.SimpleNamespace(
+    client="client",
+    query=lambda tree, boxes: pairs_of(tree.query_batches(boxes)),
+    pairs=lambda tree: pairs_of(tree.pairs_batches()),
+    join=lambda a, b: pairs_of(hd.join_batches(a, b)),
+    scan=lambda boxes, queries: pairs_of(hd.scan_batches(boxes, queries)),
+    nearest=lambda tree, *arguments: found_nearest(tree.nearest_batches(*arguments)))
+
+
+@pytest.fixture(params=[LAZY, BATCHES], ids=["lazy", "batches"])
+def form(request):
+    request.getfixturevalue(request.param.client)
+    return request.param
+
+
+WORLDS = [uniform, skewed, special]
+
+
+@pytest.mark.parametrize("partitions, dims", [(1, 2), (5, 3), (18, 2)])
 @pytest.mark.parametrize("world", WORLDS)
-def test_lazy_answers_are_those_of_one_process(no_client, world, partitions):
+def test_answers_are_those_of_one_process(form, world, partitions, dims):
     rng = np.random.default_rng(11)
-    boxes, probes = world(rng, 3000, 2), world(rng, 2100, 2)
-    one = hs.BVH(boxes)
+    boxes, probes = world(rng, 3000, dims), world(rng, 2100, dims)
+    one, of_probes = hs.BVH(boxes), hs.BVH(probes)
     tree = hd.BVH(chunked(boxes, 400), partitions)
+    other = hd.BVH(probes, partitions // 2 + 1)
     assert dask.is_dask_collection(tree) and len(tree) == 3000
     assert tree.npartitions == partitions
     assert tree.sizes.compute().sum() == 3000
-    tree = tree.persist()
-    found = tree.query(chunked(probes, 300))
-    assert found.divisions == (*range(0, 2100, 300), 2099)
-    np.testing.assert_array_equal(table(found, "row", "id"),
-                                  pairs_of([one.query(probes)]))
-    some = found.loc[900:1000].compute()
-    assert len(some) == one.count(probes[900:1001]).sum()
-    np.testing.assert_array_equal(table(tree.pairs(), "i", "j"), pairs_of([one.pairs()]))
-    other = hd.BVH(probes, partitions // 2 + 1)
-    np.testing.assert_array_equal(table(hd.join(tree, other), "i", "j"),
-                                  pairs_of([hs.join(one, hs.BVH(probes))]))
-    np.testing.assert_array_equal(table(hd.join(tree, tree), "i", "j"),
-                                  pairs_of([hs.join(one, one)]))
-    np.testing.assert_array_equal(table(hd.scan(chunked(boxes), probes[:10]), "row", "id"),
-                                  pairs_of([one.query(probes[:10])]))
+    same = np.testing.assert_array_equal
+    same(form.query(tree, chunked(probes, 300)), pairs_of([one.query(probes)]))
+    same(form.pairs(tree), pairs_of([one.pairs()]))
+    same(form.join(tree, other), pairs_of([hs.join(one, of_probes)]))
+    same(form.join(tree, tree), pairs_of([hs.join(one, one)]))
+    same(form.scan(chunked(boxes), probes[:10]), pairs_of([one.query(probes[:10])]))
     # All of them again, as one tree.
-    np.testing.assert_array_equal(tree.compute().boxes(), one.boxes())
+    same(tree.compute().boxes(), one.boxes())
 
 
-@pytest.mark.parametrize("k, max_distance", [(1, np.inf), (8, 0.02), (300, np.inf)])
-@pytest.mark.parametrize("are_points", [True, False])
-def test_lazy_nearest_is_that_of_one_process(no_client, k, max_distance, are_points):
+@pytest.mark.parametrize("world, are_points, partitions, k, max_distance", [
+    (special, True, 4, 1, np.inf), (special, True, 4, 300, np.inf),
+    (special, True, 20, 8, 0.02), (special, False, 20, 8, np.inf),
+    (skewed, True, 6, 8, np.inf), (skewed, False, 6, 3, 0), (uniform, True, 6, 8, 0.02)])
+def test_nearest_is_that_of_one_process(form, world, are_points, partitions, k, max_distance):
     rng = np.random.default_rng(12)
-    boxes = special(rng, 1500)
+    boxes = world(rng, 1500)
     points = rng.random((900, 3)) * 1.4 - 0.2
     if not are_points:
         points = np.hstack([points, points + 0.01])
-    one = hs.BVH(boxes)
-    ids, distances = one.nearest(points, k=k, max_distance=max_distance)
-    for partitions in (4, 20):
-        found = hd.BVH(boxes, partitions).nearest(chunked(points, 250), k, max_distance)
-        assert found.divisions == (0, 250, 500, 750, 899)
-        found = found.compute()
-        np.testing.assert_array_equal(found.index, np.nonzero(ids >= 0)[0])
-        np.testing.assert_array_equal(found["distance"], distances[ids >= 0])
-        # Ties may be others.
-        rows, near = found.index.to_numpy(), found["id"].to_numpy()
-        assert len(np.unique(rows * 2000 + near)) == len(rows)
-        gaps = np.maximum(boxes[near, :3] - points[rows, -3:], points[rows, :3] - boxes[near, 3:])
-        exact = np.linalg.norm(np.maximum(gaps, 0), axis=1)
-        np.testing.assert_allclose(exact, found["distance"], rtol=1e-4, atol=1e-6)
+    ids, distances = hs.BVH(boxes).nearest(points, k=k, max_distance=max_distance)
+    tree = hd.BVH(boxes, partitions)
+    rows, near, far = form.nearest(tree, chunked(points, 250), k, max_distance)
+    np.testing.assert_array_equal(rows, np.nonzero(ids >= 0)[0])
+    np.testing.assert_array_equal(far, distances[ids >= 0])
+    # Ties may be others.
+    assert len(np.unique(rows * 2000 + near)) == len(rows)
+    gaps = np.maximum(boxes[near, :3] - points[rows, -3:], points[rows, :3] - boxes[near, 3:])
+    exact = np.linalg.norm(np.maximum(gaps, 0), axis=1)
+    np.testing.assert_allclose(exact, far, rtol=1e-4, atol=1e-6)
+
+
+def test_divisions_are_rows(no_client):
+    boxes = uniform(np.random.default_rng(2), 2000)
+    tree, one = hd.BVH(boxes, 3).persist(), hs.BVH(boxes)
+    for found in (tree.query(chunked(boxes, 300)), tree.nearest(chunked(boxes, 300), 7)):
+        assert found.divisions == (*range(0, 2000, 300), 1999)
+    assert len(found.loc[900:1000].compute()) == 7 * 101
+    some = tree.query(chunked(boxes, 300)).loc[900:1000].compute()
+    assert len(some) == one.count(boxes[900:1001]).sum()
 
 
 @pytest.mark.parametrize("partitions", [4, 20])
@@ -265,7 +255,19 @@ def frame_of(boxes, names):
 
 
 BBOX = "xmin ymin xmax ymax"
+
+
+def files(boxes, tmp, chunks):
+    paths = [tmp / f"{n}.npy" for n in range(len(chunks))]
+    for path, chunk in zip(paths, chunks):
+        np.save(path, boxes[slice(*chunk)])
+    return paths
+
+
 SOURCES = {
+    "an array": lambda boxes, tmp: boxes,
+    "a list": lambda boxes, tmp: boxes.tolist(),
+    "chunks of columns": lambda boxes, tmp: dask.array.from_array(boxes, (800, 2)),
     "unknown chunk sizes": lambda boxes, tmp: chunked(boxes)[dask.array.from_array(
         np.ones(len(boxes), bool), chunks=700)],
     "delayed arrays": lambda boxes, tmp: [dask.delayed(part) for part in
@@ -276,32 +278,46 @@ SOURCES = {
     "a frame of pandas": lambda boxes, tmp: frame_of(boxes, BBOX).assign(name="x"),
     "nullable columns": lambda boxes, tmp: frame_of(boxes, BBOX).astype("Float64"),
     "columns without these names": lambda boxes, tmp: frame_of(boxes, "a b c d"),
-    "GeoParquet": lambda boxes, tmp: [tmp / "a.parquet", tmp / "b.parquet"],
+    "a file": lambda boxes, tmp: files(boxes, tmp, [(2000,)])[0],
+    "files, one of them empty": lambda boxes, tmp: files(
+        boxes, tmp, [(1000,), (1000, 1000), (1000, 2000)]),
 }
 
 
-@pytest.mark.parametrize("partitions", [1, 3, 17])
+@pytest.mark.parametrize("form, partitions", [(LAZY, 1), (LAZY, 17), (BATCHES, 3)],
+                         indirect=["form"], ids=["lazy-1", "lazy-17", "batches-3"])
 @pytest.mark.parametrize("source", SOURCES)
-def test_lazy_sources(no_client, tmp_path, monkeypatch, source, partitions):
+def test_sources(form, tmp_path, source, partitions):
+    rng = np.random.default_rng(14)
+    boxes = uniform(rng, 2000, 2)
+    # x_min < y_min, ..., so that swapped columns have other answers.
+    boxes[:, 1::2] += 3
+    its = SOURCES[source](boxes, tmp_path)
+    tree, one = hd.BVH(its, partitions), hs.BVH(boxes)
+    expected = pairs_of([one.query(boxes)])
+    for probes in (boxes, its):
+        np.testing.assert_array_equal(form.query(tree, probes), expected)
+    np.testing.assert_array_equal(form.scan(its, boxes[:9]), pairs_of([one.query(boxes[:9])]))
+    rows, _, distances = form.nearest(tree, its, 2)
+    np.testing.assert_array_equal(rows, np.arange(2000).repeat(2))
+    np.testing.assert_array_equal(distances, one.nearest(boxes, 2)[1].ravel())
+    assert len(tree) == 2000
+
+
+@pytest.mark.parametrize("partitions", [1, 17])
+def test_geoparquet(no_client, monkeypatch, partitions):
+    """Debian 12 has no package that reads Parquet."""
+    boxes = uniform(np.random.default_rng(14), 1000, 2)
+
     def read_parquet(path):
         half = boxes[:500] if path.endswith("a.parquet") else boxes[500:]
         bbox = [dict(zip(BBOX.split(), map(float, box))) for box in half]
         return pd.DataFrame({"name": "x", "bbox": bbox})
 
-    # Debian 12 has no package that reads Parquet.
     monkeypatch.setattr(pd, "read_parquet", read_parquet)
-    rng = np.random.default_rng(14)
-    boxes = uniform(rng, 2000, 2)
-    # x_min < y_min, ..., so that swapped columns have other answers.
-    boxes[:, 1::2] += 3
-    expected = pairs_of([hs.BVH(boxes).query(boxes)])
-    its = SOURCES[source](boxes, tmp_path)
-    tree = hd.BVH(its, partitions)
-    for probes in (boxes, its):
-        np.testing.assert_array_equal(table(tree.query(probes), "row", "id"), expected)
-    np.testing.assert_array_equal(table(hd.scan(its, boxes[:9]), "row", "id"),
-                                  pairs_of([hs.BVH(boxes).query(boxes[:9])]))
-    assert len(tree) == 2000
+    paths = ["/a.parquet", "/b.parquet"]
+    found = LAZY.query(hd.BVH(paths, partitions), paths)
+    np.testing.assert_array_equal(found, pairs_of([hs.BVH(boxes).query(boxes)]))
 
 
 AXES = "xmin ymin zmin xmax ymax zmax"
@@ -328,7 +344,7 @@ def test_a_null_bbox_is_empty(no_client):
         assert len(tree) == len(some)
 
 
-def test_geometries(client):
+def test_geometries(form):
     """Frames of geopandas, and by their interface those of dask-geopandas."""
     geopandas = pytest.importorskip("geopandas")
     from shapely.geometry import Polygon, box
@@ -341,9 +357,8 @@ def test_geometries(client):
     probes = uniform(rng, 50, 2)
     expected = pairs_of([hs.BVH(boxes).query(probes)])
     for source in (frame, frame.geometry, parts):
-        found = hd.BVH(source, partitions=3)
-        np.testing.assert_array_equal(table(found.query(probes), "row", "id"), expected)
-        np.testing.assert_array_equal(pairs_of(found.query_batches(probes)), expected)
+        found = form.query(hd.BVH(source, partitions=3), probes)
+        np.testing.assert_array_equal(found, expected)
 
 
 def test_large_joins_have_few_tasks(no_client):
@@ -407,13 +422,13 @@ def test_few_batches_wait(client, monkeypatch):
     expected = pairs_of([hs.BVH(boxes).query(boxes)])
     tree = hd.BVH(boxes, partitions=1)
     submitted = []
-    submit = hd._Runner.submit
+    add = hd._Runner.add
 
     def count(run, function, *arguments):
         submitted.append(function)
-        return submit(run, function, *arguments)
+        return add(run, function, *arguments)
 
-    monkeypatch.setattr(hd._Runner, "submit", count)
+    monkeypatch.setattr(hd._Runner, "add", count)
     batches = tree.query_batches(boxes, max_results=2000)
     found = []
     for batch in batches:
@@ -430,7 +445,7 @@ def test_many_small_results():
         status = "finished"
 
         def result(self):
-            return 1
+            return 1, []
 
     class Completed(list):
         add = list.append
@@ -438,10 +453,10 @@ def test_many_small_results():
 
     run = hd._Runner.__new__(hd._Runner)
     run.threads = 1
+    run.add = lambda *_: Future()
     real, distributed.as_completed = distributed.as_completed, Completed
     try:
-        jobs = ((Future(), lambda result: (result, [])) for _ in range(100_000))
-        assert sum(run.stream(jobs)) == 100_000
+        assert sum(run.stream(None, [()] * 100_000, 1, {})) == 100_000
     finally:
         distributed.as_completed = real
 
@@ -471,20 +486,6 @@ def test_a_call_that_fails_leaves_no_files(client, tmp_path):
     with pytest.raises(ValueError, match="chunk that begins at row 3900: .*NaN"):
         tree.query_batches(chunked(bad, 100), max_results=1000, to=tmp_path)
     assert sorted(map(str, tmp_path.iterdir())) == others
-
-
-def test_sources(client, tmp_path):
-    rng = np.random.default_rng(6)
-    boxes = uniform(rng, 3000).astype(np.float32)
-    expected = pairs_of([hs.BVH(boxes).query(boxes[:50])])
-    paths = []
-    for n, begin in enumerate((0, 1000, 1000)):
-        paths.append(tmp_path / f"{n}.npy")
-        np.save(paths[-1], boxes[begin:] if n == 2 else boxes[begin:begin + 1000 * (n == 0)])
-    np.save(tmp_path / "all.npy", boxes)
-    for source in (boxes, boxes.tolist(), paths, tmp_path / "all.npy", dask.array.from_array(boxes, (800, 2))):
-        found = hd.BVH(source, partitions=4).query_batches(boxes[:50])
-        np.testing.assert_array_equal(pairs_of(found), expected)
 
 
 def test_mapped_partitions(client):
@@ -543,22 +544,19 @@ def test_a_tree_is_accounted_with_its_bytes():
 
 
 MASKED = np.ma.array(np.ones((2, 6)), mask=np.ones((2, 6)))
+IN_CHUNKS = dask.array.from_array(MASKED, asarray=False)
+ONES = np.ones((3, 6))
 
 
 @pytest.mark.parametrize("call", [
     lambda: hd.BVH(MASKED),
-    lambda: hd.BVH(dask.array.from_array(MASKED, asarray=False), partitions=1).compute(),
-    lambda: hd.BVH(dask.array.from_array(MASKED, asarray=False), partitions=2).persist().compute(),
-    lambda: list(hd.BVH(np.ones((3, 6))).query_batches(MASKED)),
-    lambda: list(hd.BVH(np.ones((3, 6))).query_batches(
-        dask.array.from_array(MASKED, asarray=False))),
-    lambda: list(hd.BVH(np.ones((3, 6))).nearest_batches(MASKED[:, :3])),
-    lambda: list(hd.BVH(np.ones((3, 6))).nearest_batches(
-        dask.array.from_array(MASKED[:, :3], asarray=False))),
-    lambda: list(hd.BVH(np.ones((3, 6))).nearest_batches(np.ones((3, 3)), k=np.ma.array(1, mask=1))),
-    lambda: list(hd.scan_batches(np.ones((3, 6)), MASKED)),
-    lambda: list(hd.scan_batches(MASKED, np.ones((3, 6)))),
-    lambda: list(hd.scan_batches(dask.array.from_array(MASKED, asarray=False), np.ones((3, 6)))),
+    lambda: hd.BVH(IN_CHUNKS, partitions=2).compute(),
+    lambda: hd.BVH(ONES).query_batches(MASKED),
+    lambda: hd.BVH(ONES).query(IN_CHUNKS).compute(),
+    lambda: list(hd.BVH(ONES).nearest_batches(IN_CHUNKS[:, :3])),
+    lambda: hd.BVH(ONES).nearest(np.ones((3, 3)), k=np.ma.array(1, mask=1)),
+    lambda: hd.scan(ONES, MASKED),
+    lambda: list(hd.scan_batches(IN_CHUNKS, ONES)),
 ])
 def test_masked_values_are_refused(client, call):
     with pytest.raises(TypeError, match="expected no masked values"):
@@ -572,16 +570,16 @@ def delayed(*widths):
 
 @pytest.mark.parametrize("call, message", [
     (lambda: hd.BVH(np.ones((3, 5))), r"boxes must have the shape \(n, 4\) or \(n, 6\)"),
-    (lambda: hd.BVH(np.ones((3, 6)), balance="fair"), "balance must be"),
-    (lambda: hd.BVH(np.ones((3, 6)), partitions=0), "partitions: expected an integer from 1"),
-    (lambda: hd.scan_batches(np.ones((3, 6)), np.full((1, 6), np.nan)), "boxes.0.: .*NaN"),
-    (lambda: hd.BVH(np.ones((3, 6))).query_batches(np.ones((3, 4))), "boxes must have the shape"),
-    (lambda: hd.BVH(np.ones((3, 6))).query_batches(np.ones((3, 6)), max_results=0), "max_results"),
-    (lambda: list(hd.BVH(np.ones((3, 6))).nearest_batches(np.ones((3, 3)), k=0)), "k: expected an integer from 1"),
-    (lambda: list(hd.BVH(np.ones((3, 6))).nearest_batches(np.ones((3, 3)), max_distance=-1)),
+    (lambda: hd.BVH(ONES, balance="fair"), "balance must be"),
+    (lambda: hd.BVH(ONES, partitions=0), "partitions: expected an integer from 1"),
+    (lambda: hd.scan_batches(ONES, np.full((1, 6), np.nan)), "boxes.0.: .*NaN"),
+    (lambda: hd.BVH(ONES).query_batches(np.ones((3, 4))), "boxes must have the shape"),
+    (lambda: hd.BVH(ONES).query_batches(ONES, max_results=0), "max_results"),
+    (lambda: list(hd.BVH(ONES).nearest_batches(np.ones((3, 3)), k=0)), "k: expected an integer from 1"),
+    (lambda: list(hd.BVH(ONES).nearest_batches(np.ones((3, 3)), max_distance=-1)),
      "max_distance"),
-    (lambda: hd.join_batches(hd.BVH(np.ones((3, 6))), hd.BVH(np.ones((3, 4)))), "same dimensions"),
-    (lambda: list(hd.BVH(np.ones((3, 6))).query_batches(
+    (lambda: hd.join_batches(hd.BVH(ONES), hd.BVH(np.ones((3, 4)))), "same dimensions"),
+    (lambda: list(hd.BVH(ONES).query_batches(
         chunked(np.array([[1.0] * 6, [np.nan] * 6]), 1))), "chunk that begins at row 1"),
     (lambda: hd.BVH(chunked(np.array([[1.0] * 6] * 3 + [[np.nan] * 6]), 2), partitions=2).compute(),
      "row 3 of boxes: .*NaN"),
@@ -593,7 +591,7 @@ def delayed(*widths):
     (lambda: hd.join(delayed(4), np.ones((3, 4))), "b: expected a halfspace.dask.BVH, got ndarray"),
     (lambda: hd.join_batches(hs.BVH(np.ones((3, 4))), delayed(4)), "a: expected a halfspace.dask.BVH"),
     (lambda: hd.BVH(delayed(4)), "boxes: expected boxes, got a halfspace.dask.BVH"),
-    (lambda: hd.BVH(np.ones((3, 6)), mapped="no"), "mapped must be True, False or None, not 'no'"),
+    (lambda: hd.BVH(ONES, mapped="no"), "mapped must be True, False or None, not 'no'"),
     (lambda: bool(delayed(4)), "truth value"),
     (lambda: hd.BVH(frame_of(np.ones((2, 4)), BBOX).astype("Float64").shift(1)), "boxes: .*missing values"),
     (lambda: hd.BVH(pytest.importorskip("geopandas").GeoDataFrame({"a": [1]})), "boxes: .*set_geometry"),

@@ -85,8 +85,11 @@ def test_pairs(rng, dims, boxes):
     assert (as_matrix(found, expected.shape) == expected).all()
 
 
-def test_changes(rng, dims, boxes):
-    tree = hs.BVH(boxes[:2000], exact=True)
+@pytest.mark.parametrize("exact", [True, False])
+def test_changes(rng, dims, boxes, exact):
+    if not exact:
+        boxes = hs.BVH(boxes).boxes()
+    tree = hs.BVH(boxes[:2000], exact=exact)
 
     def check(its, erased=()):
         expected = overlaps(boxes, its)
@@ -100,10 +103,11 @@ def test_changes(rng, dims, boxes):
     tree.insert_as(np.arange(2500, 3000)[::-1], boxes[2500:][::-1])
     check(boxes)
     moved = boxes.copy()
-    moved[7:100] = near_boxes(rng, 93, dims)
+    moved[7:100] = hs.BVH(near_boxes(rng, 93, dims), exact=exact).boxes()
     tree.refit(moved[7:100], np.arange(7, 100))
     check(moved)
     tree.erase([8, 2999])
+    assert len(tree) == 2998
     tree.rebuild()
     moved = moved[:2999]
     moved[8] = boxes[0]
@@ -112,9 +116,17 @@ def test_changes(rng, dims, boxes):
     moved = boxes[:2999].copy()
     moved[8] = boxes[0]
     check(moved, [8])
-    with pytest.raises(ValueError):
-        tree.insert_as([7], boxes[8])
+    for wrong, text in (
+        ([7000, 7000], "ids: expected ids that no object has"),
+        ([7000, 7], r"ids\[1\]: expected ids that no object has"),
+        ([7000], "ids: expected one id for each of 2 boxes, got 1"),
+        ([-1, 2], r"ids\[0\]: expected the id of an object, got -1"),
+    ):
+        with pytest.raises(ValueError, match=text):
+            tree.insert_as(wrong, boxes[:2])
     check(moved, [8])
+    if not exact:
+        return
     pickles = [pickle.loads(pickle.dumps(tree, protocol)) for protocol in (2, 5)]
     for same in (copy.copy(tree), *pickles):
         assert (same.query(boxes) == tree.query(boxes)).all() and same.insert(boxes[9]) >= 0
@@ -122,7 +134,7 @@ def test_changes(rng, dims, boxes):
     for call in (tree.blob, lambda: tree.save("x")):
         with pytest.raises(TypeError, match="pickle an exact one"):
             call()
-    assert tree.boxes([9]).tolist() == [boxes[9].tolist()]
+    assert tree.boxes([9, 8, 9]).tolist() == boxes[[9, 0, 9]].tolist()
 
 
 @pytest.mark.parametrize("n", [0, 1])

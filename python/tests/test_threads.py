@@ -90,43 +90,38 @@ def test_an_exception_of_progress_ends_the_call():
     TREE.erase(TREE.insert([0, 0, 0, 1, 1, 1]))
 
 
-def test_a_change_during_a_query():
-    errors = []
-    box = [0, 0, 0, 1, 1, 1]
-
-    def progress(done, total):
-        for change in (
-            lambda: TREE.insert(box),
-            lambda: TREE.erase(0),
-            lambda: TREE.refit(box, 0),
-        ):
-            try:
-                change()
-            except RuntimeError as error:
-                errors.append(str(error))
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        TREE.pairs(progress=progress)
-    assert len(errors) == 3
-    assert all("another call is using this BVH" in error for error in errors)
-    TREE.erase(TREE.insert(box))
+def own(tree):
+    with tree.changing():
+        pass
 
 
-def test_a_query_during_a_change(rng):
+BOX = [0, 0, 0, 1, 1, 1]
+
+
+@pytest.mark.parametrize(
+    "outer, inner, message",
+    [
+        ("query", lambda tree: tree.insert(BOX), "another call is using this BVH"),
+        ("query", lambda tree: tree.erase(0), "another call is using this BVH"),
+        ("query", lambda tree: tree.refit(BOX, 1), "another call is using this BVH"),
+        ("query", own, "inside of a call"),
+        ("refit", lambda tree: tree.query(BOX), "another call is changing this BVH"),
+        ("refit", own, "inside of a call"),
+    ],
+)
+def test_a_call_within_a_call(rng, outer, inner, message):
     boxes = random_boxes(rng, 1000, 3)
     tree = hs.BVH(boxes)
-    errors = []
+    calls = []
 
     def progress(done, total):
-        try:
-            tree.query(boxes)
-        except RuntimeError as error:
-            errors.append(str(error))
+        with pytest.raises(RuntimeError, match=message):
+            inner(tree)
+        calls.append(done)
 
-    tree.refit(boxes, progress=progress)
-    assert errors and "another call is changing this BVH" in errors[0]
-    tree.query(boxes)
+    getattr(tree, outer)(boxes, progress=progress)
+    assert calls
+    inner(tree)
 
 
 def test_changing_waits_and_makes_wait(rng):
@@ -193,27 +188,13 @@ def test_an_exception_of_a_signal_leaves_no_tree_locked():
                         pass
     finally:
         signal.signal(signal.SIGALRM, before)
+    with pytest.raises(KeyError), tree.changing():
+        raise KeyError
     sizes = []
     thread = threading.Thread(target=lambda: sizes.append(len(tree)), daemon=True)
     thread.start()
     thread.join(60)
     assert sizes == [1]
-
-
-def test_changing_within_a_call(rng):
-    tree = hs.BVH(random_boxes(rng, 1000, 3))
-    seen = []
-
-    def progress(done, total):
-        with pytest.raises(RuntimeError, match="inside of a call"), tree.changing():
-            pass
-        seen.append(done)
-
-    tree.refit(tree.boxes(), progress=progress)
-    with pytest.raises(KeyError), tree.changing():
-        raise KeyError
-    tree.erase(0)
-    assert seen
 
 
 def test_an_interrupted_refit_must_be_repeated(rng):
