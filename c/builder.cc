@@ -109,6 +109,7 @@ void PushToFile(const Call& call, const hs_columns& objects,
                              {reinterpret_cast<const std::byte*>(rows),
                               count * builder.objects.count * sizeof(float)});
                 });
+    file.Flush(call);
   } catch (...) {
     file.Return(end);
     throw;

@@ -290,6 +290,10 @@ void NewFile::Write(const Call& call, Span<const std::byte> bytes) {
   }
 }
 
+void NewFile::Flush(const Call& call) {
+  if (std::fflush(file_) != 0) FailWritten(call, LastError());
+}
+
 std::fpos_t NewFile::Position(const Call& call) {
   std::fpos_t position;
   if (std::fgetpos(file_, &position) != 0) FailWritten(call, LastError());
@@ -302,7 +306,7 @@ void NewFile::Return(const std::fpos_t& position) {
 }
 
 std::byte* NewFile::Map(const Call& call, std::size_t size) {
-  if (std::fflush(file_) != 0) FailWritten(call, LastError());
+  Flush(call);
   std::error_code error;
   mapped_ = MapNew(file_, size, error);
   if (mapped_ == nullptr) FailWritten(call, error);

@@ -52,6 +52,8 @@ class NewFile {
 
   // Writes behind what was written before.
   void Write(const Call& call, Span<const std::byte> bytes);
+  // Reports an error of what was written and is still in memory.
+  void Flush(const Call& call);
   // The end of what was written, to which it can return after an error.
   std::fpos_t Position(const Call& call);
   void Return(const std::fpos_t& position);

@@ -128,7 +128,8 @@ static void use_pair_events(hs_kind kind, memory* its) {
   hs_bvh_destroy(bvh);
 }
 
-static void use_builder(hs_kind kind, memory* its) {
+// In memory, or in a file by runs.
+static void use_builder_in(const char* path, hs_kind kind, memory* its) {
   const size_t values = hs_bound_values(kind);
   const hs_columns floats = hs_float_rows(objects, HALF, values);
   const hs_columns wide = hs_double_rows(doubles, HALF, values);
@@ -137,7 +138,11 @@ static void use_builder(hs_kind kind, memory* its) {
   hs_bvh* bvh = NULL;
   size_t pushed = 0;
   config.allocator = allocator_of(its);
-  if (!has_done(its, hs_builder_create(&config, &builder))) return;
+  if (!has_done(its, path == NULL ? hs_builder_create(&config, &builder)
+                                  : hs_builder_create_file(&config, path, 10000,
+                                                           &builder))) {
+    return;
+  }
   pushed += (size_t)has_done(its, hs_builder_push(builder, &floats));
   pushed += (size_t)has_done(its, hs_builder_push(builder, &wide));
   if (has_done(its, hs_builder_finish(builder, &bvh))) {
@@ -147,6 +152,13 @@ static void use_builder(hs_kind kind, memory* its) {
     CHECK(bvh == NULL);
   }
   hs_builder_destroy(builder);
+}
+static void use_builder(hs_kind kind, memory* its) {
+  use_builder_in(NULL, kind, its);
+}
+static void use_builder_file(hs_kind kind, memory* its) {
+  use_builder_in("c_test_memory.bvh", kind, its);
+  (void)remove("c_test_memory.bvh");
 }
 
 static void use_bvh(hs_kind kind, memory* its) {
@@ -306,6 +318,7 @@ void test_memory(void) {
     random_bounds(kinds[k], OBJECTS, 0.1f, 13, objects);
     for (i = 0; i < OBJECTS * VALUES; ++i) doubles[i] = (double)objects[i];
     use_without_memory(use_builder, kinds[k], 3);
+    use_without_memory(use_builder_file, kinds[k], 3);
     use_without_memory(use_bvh, kinds[k], 8);
     use_without_memory(use_scans, kinds[k], 2);
     if (is_simplex(kinds[k])) continue;
