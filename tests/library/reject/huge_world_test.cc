@@ -51,7 +51,7 @@ class Repeated {
   T* data() const { return reinterpret_cast<T*>(begin_); }
 
  private:
-  static constexpr std::size_t kBytes = std::size_t{1} << 22;
+  static constexpr std::size_t kBytes = std::size_t{1} << 26;
   static constexpr std::size_t kChunk = kBytes / sizeof(T);
 
   std::size_t size_;
