@@ -95,7 +95,6 @@ void test_callbacks(void);
 void test_files(void);
 void test_errors(void);
 void test_memory(void);
-void test_triangles(void);
 void test_exceptions(void);  // in C++, as the next
 void test_parity(void);
 

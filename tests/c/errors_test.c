@@ -502,10 +502,43 @@ static void test_bodies(void) {
   hs_broad_phase_destroy(bodies);
 }
 
+static void test_triangles(void) {
+  const float numbers[18] = {0};
+  const hs_bvh_config config = bvh_config_of(HS_BOX3);
+  const hs_bvh_config flat_config = bvh_config_of(HS_BOX2);
+  const hs_columns boxes = hs_float_rows(kBoxes, 2, 6);
+  const hs_columns columns = hs_float_rows(numbers, 2, 9);
+  const hs_columns few = hs_float_rows(numbers, 1, 9);
+  const hs_columns rays = hs_float_rows(numbers, 1, 7);
+  hs_columns doubles = columns;
+  hs_bvh* bvh = NULL;
+  hs_bvh* flat = NULL;
+  uint32_t id = 0;
+  doubles.type = HS_FLOAT64;
+  CHECK_OK(hs_bvh_create(&config, &boxes, &bvh));
+  CHECK_OK(hs_bvh_create(&flat_config, &boxes, &flat));
+  INVALID(hs_bvh_raycast_triangles, (flat, &rays, &columns, NULL, &id, NULL),
+          "bvh: expected 3 dimensions, got 2");
+  INVALID(hs_bvh_raycast_triangles, (bvh, &rays, &few, NULL, &id, NULL),
+          "triangles->count: expected at least hs_bvh_id_limit(), 2, got 1");
+  INVALID(hs_bvh_closest_points,
+          (bvh, &rays, &columns, -1.0f, NULL, &id, NULL, NULL),
+          "max_distance: expected a number that is not negative, got -1");
+  CHECK(hs_bvh_raycast_triangles(bvh, &rays, &doubles, NULL, &id, NULL) ==
+        HS_INVALID_ARGUMENT);
+  NOT_NULL(hs_bvh_raycast_triangles, (bvh, NULL, &columns, NULL, &id, NULL),
+           "rays");
+  NOT_NULL(hs_bvh_raycast_triangles_each,
+           (bvh, &rays, &columns, NULL, NULL, NULL), "function");
+  hs_bvh_destroy(flat);
+  hs_bvh_destroy(bvh);
+}
+
 void test_errors(void) {
   test_structs();
   test_columns();
   test_configurations();
   test_handles_and_outputs();
   test_bodies();
+  test_triangles();
 }

@@ -46,7 +46,6 @@ int main(void) {
   test_files();
   test_errors();
   test_memory();
-  test_triangles();
   test_exceptions();
   if (failures != 0) fprintf(stderr, "%d checks failed\n", failures);
   return failures != 0;

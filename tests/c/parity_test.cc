@@ -1277,6 +1277,105 @@ void TestBroadPhase(bool moves_wait) {
   hs_broad_phase_destroy(bodies);
 }
 
+// Triangles in a BVH, of which some are there twice, against all of them.
+void TestTriangles() {
+  constexpr std::size_t kTriangles = 3000;
+  constexpr std::size_t kRays = 100;
+  Random random(90);
+  std::vector<double> numbers;
+  for (std::size_t i = 0; i < 9 * kTriangles; ++i) {
+    const std::size_t corner = i / 9 * 9;
+    numbers.push_back(i / 9 % 10 == 9 ? numbers[i - 9]
+                      : i - corner < 3
+                          ? random.Number()
+                          : numbers[corner + i % 3] + 0.1 * random.Number());
+  }
+  const Records triangles(9, 9, std::move(numbers));
+  numbers.clear();
+  for (std::size_t i = 0; i < 7 * kRays; ++i) {
+    numbers.push_back(i % 7 == 6  ? (i % 4 == 0 ? 0.5 : kInfinity)
+                      : i % 7 < 3 ? random.Number()
+                                  : random.Number() - 0.5);
+  }
+  const Records rays(7, 7, std::move(numbers));
+  const auto all = Shapes<Triangle<3>>(triangles);
+  const auto as_rays = Shapes<Ray<3>>(rays);
+  std::vector<std::pair<std::size_t, std::uint32_t>> hits;
+  std::vector<std::pair<float, std::uint32_t>> first;
+  std::vector<std::pair<float, std::uint32_t>> closest;
+  constexpr float kNear = 0.05f;
+  for (std::size_t i = 0; i < kRays; ++i) {
+    first.emplace_back(kInfinity, HS_NO_ID);
+    closest.emplace_back(kInfinity, HS_NO_ID);
+    for (std::uint32_t id = 0; id < kTriangles; ++id) {
+      const float t = HitTriangle(as_rays[i], all[id]);
+      if (t < kInfinity) hits.emplace_back(i, id);
+      if (t < kInfinity) first[i] = std::min(first[i], std::pair(t, id));
+      const float away = ClosestPoint(as_rays[i].origin, all[id]).distance;
+      if (away <= kNear) closest[i] = std::min(closest[i], std::pair(away, id));
+    }
+  }
+  CHECK(hits.size() > kRays);
+  for (Form form : kFloats) {
+    const hs_columns columns = triangles.In(form);
+    const hs_columns of_rays = rays.In(form);
+    std::vector<float> boxes(6 * kTriangles);
+    CHECK_OK(
+        hs_bound_triangles(HS_BOX3, &columns, nullptr, boxes.data(), nullptr));
+    const hs_columns objects = hs_float_rows(boxes.data(), kTriangles, 6);
+    const hs_bvh_config config = bvh_config_of(HS_BOX3);
+    hs_bvh* bvh = nullptr;
+    CHECK_OK(hs_bvh_create(&config, &objects, &bvh));
+    hs_query_options options = DefaultsOf(&hs_query_options_default);
+    std::vector<std::uint32_t> ids(kRays);
+    std::vector<float> values(kRays);
+    const auto are = [&](const auto& expected) {
+      for (std::size_t i = 0; i < kRays; ++i) {
+        if (expected[i] != std::pair(values[i], ids[i])) return false;
+      }
+      return true;
+    };
+    CHECK_OK(hs_bvh_raycast_triangles(bvh, &of_rays, &columns, nullptr,
+                                      ids.data(), values.data()));
+    CHECK(are(first));
+    const auto casts = [&](float limit) {
+      std::pair<float, decltype(hits)> found(limit, {});
+      CHECK_OK(hs_bvh_raycast_triangles_each(
+          bvh, &of_rays, &columns, &options,
+          [](void* context, std::size_t ray, std::uint32_t id, float) {
+            auto& its = *static_cast<decltype(found)*>(context);
+            its.second.emplace_back(ray, id);
+            return its.first;
+          },
+          &found));
+      return Sorted(found.second);
+    };
+    CHECK(casts(kInfinity) == hits);
+    // A negative limit ends the cast of one ray, and not of the others.
+    CHECK(casts(-1).size() == static_cast<std::size_t>(std::count_if(
+                                  first.begin(), first.end(), [](auto& hit) {
+                                    return hit.second != HS_NO_ID;
+                                  })));
+    options.mask = 0;  // which no object has
+    CHECK(casts(kInfinity).empty());
+    std::vector<float> on_triangles(3 * kRays);
+    CHECK_OK(hs_bvh_closest_points(bvh, &of_rays, &columns, kNear, nullptr,
+                                   ids.data(), on_triangles.data(),
+                                   values.data()));
+    CHECK(are(closest));
+    for (std::size_t i = 0; i < kRays; ++i) {
+      const bool is_none = closest[i].second == HS_NO_ID;
+      CHECK(is_none
+                ? std::isnan(on_triangles[3 * i])
+                : memcmp(
+                      &on_triangles[3 * i],
+                      ClosestPoint(as_rays[i].origin, all[ids[i]]).point.data(),
+                      3 * sizeof(float)) == 0);
+    }
+    hs_bvh_destroy(bvh);
+  }
+}
+
 template <typename View>
 void TestKind() {
   for (Form form : kForms) TestScan<View>(0, form);
@@ -1307,4 +1406,5 @@ extern "C" void test_parity(void) {
   TestKind<SimplexView3>();
   TestNearestOthers<2>();
   TestNearestOthers<3>();
+  TestTriangles();
 }

@@ -53,29 +53,6 @@ void Inside(const Bodies& bodies, const std::function<void()>& change) {
   EXPECT_FALSE(is_first);
 }
 
-TEST(BroadPhaseTest, CanBeEmpty) {
-  Bodies bodies;
-  BodyModel model;
-  const auto expect = [&] {
-    bodies.Move(Ids{}, std::vector<Aabb3>{});
-    bodies.Erase(Ids{});
-    bodies.Update();
-    bodies.Rebuild();
-    bodies.UpdatePairs();
-    bodies.Load(BytesOf(bodies));
-    bodies = Bodies(bodies);
-    ExpectIsModel(bodies, model, 1);
-    EXPECT_EQ(bodies.Bounds(), Aabb3::Empty());
-  };
-  expect();
-  bodies.Insert(Ids{}, std::vector<Aabb3>{});
-  expect();
-  bodies.Insert(70'000, kUnit);
-  bodies.Move(70'000, kFar);
-  bodies.Erase(70'000);
-  expect();
-}
-
 // A body that moves to its own bound has not changed, in any way that costs.
 TEST(BroadPhaseTest, AMoveToTheSameBoundChangesNothing) {
   CountingMemory memory;
@@ -435,7 +412,8 @@ TEST(BroadPhaseSaveTest, ChangesAreCopied) {
 
 // Bytes that were cut are refused, and others may be, but do no harm.
 TEST(BroadPhaseSaveTest, AlteredBytesDoNoHarm) {
-  RandomChoices maker(Layout(3, 3, true), 1);
+  Random random(1);
+  Choices maker(Layout(3, 3, true), random);
   Bodies bodies;
   for (std::uint32_t id = 0; id < 150; ++id) {
     bodies.Insert(3 * id, BoxOf(maker.Next()), maker.Masks());
@@ -444,7 +422,6 @@ TEST(BroadPhaseSaveTest, AlteredBytesDoNoHarm) {
   bodies.Erase(Ids{3, 9, 27});
   bodies.Move(6, kUnit);
   const std::vector<std::byte> bytes = BytesOf(bodies);
-  Random random(2);
   for (std::size_t size = 0; size < bytes.size(); size += 1 + size / 64) {
     const std::vector<std::byte> cut(bytes.begin(), bytes.begin() + size);
     Bodies loaded;
@@ -488,7 +465,8 @@ TEST(BroadPhaseMemoryTest, NothingChangesWithoutMemory) {
   CountingMemory memory;
   BroadPhaseOptions options;
   options.memory = memory.resource();
-  RandomChoices maker(Layout(3, 3, true), 1);
+  Random random(1);
+  Choices maker(Layout(3, 3, true), random);
   BodyModel model;
   PairList pairs;
   Bodies bodies(options);

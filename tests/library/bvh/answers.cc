@@ -178,25 +178,17 @@ Ids KeptBy(const Layout& layout, const Objects& objects, const Shape& shape,
   return ids;
 }
 
-void ExpectFinds(const Searches& world, const Objects& objects,
-                 std::span<const Shape> shapes, const QueryOptions& options) {
+namespace {
+
+void ExpectFindsEach(const Searches& world, std::span<const Shape> shapes,
+                     const std::vector<Ids>& expected,
+                     const QueryOptions& options) {
   constexpr std::uint32_t kCanary = 0xABABABAB;
-  std::unique_ptr<AnyBvh> other;
-  if (shapes[0].kind == Shape::kOrientedBox) {
-    other = NewBvh(world.layout, objects);
-  }
-  std::vector<Ids> expected;
   std::vector<std::size_t> counts;
   std::size_t total = 0;
-  for (const Shape& shape : shapes) {
-    Ids& ids = expected.emplace_back();
-    if (other != nullptr) {
-      ids.resize(other->Count(shape, {.mask = options.mask}));
-      (void)other->Find(shape, ids, {.mask = options.mask}, 0);
-      std::sort(ids.begin(), ids.end());
-    } else {
-      ids = KeptBy(world.layout, objects, shape, options.mask);
-    }
+  for (std::size_t q = 0; q < shapes.size(); ++q) {
+    const Shape& shape = shapes[q];
+    const Ids& ids = expected[q];
     counts.push_back(ids.size());
     total += ids.size();
     const Ids found = ExpectFills<std::uint32_t>(
@@ -249,6 +241,33 @@ void ExpectFinds(const Searches& world, const Objects& objects,
     std::vector<std::size_t> counted(shapes.size(), 99);
     bvh->CountEach(shapes, counted, options);
     ASSERT_EQ(counted, counts);
+  }
+}
+
+}  // namespace
+
+void ExpectFinds(const Searches& world, const Objects& objects,
+                 std::span<const Shape> shapes, const HowToAsk& how) {
+  std::unique_ptr<AnyBvh> other;
+  if (shapes[0].kind == Shape::kOrientedBox) {
+    other = NewBvh(world.layout, objects);
+  }
+  std::vector<Ids> expected;
+  for (const Shape& shape : shapes) {
+    Ids& ids = expected.emplace_back();
+    if (other != nullptr) {
+      ids.resize(other->Count(shape, {.mask = how.mask}));
+      (void)other->Find(shape, ids, {.mask = how.mask}, 0);
+      std::sort(ids.begin(), ids.end());
+    } else {
+      ids = KeptBy(world.layout, objects, shape, how.mask);
+    }
+  }
+  for (Target target : how.targets) {
+    SCOPED_TRACE(target.name());
+    ExpectFindsEach(world, shapes, expected,
+                    {.mask = how.mask, .target = target});
+    if (::testing::Test::HasFatalFailure()) return;
   }
 }
 
@@ -318,43 +337,26 @@ void ExpectAreNearest(const std::vector<Near>& expected, const Ids& ids,
   }
 }
 
-}  // namespace
-
-void ExpectNearest(const Searches& world, const Objects& objects,
-                   const Place& place, float max_distance,
-                   const SearchOptions& options) {
-  const std::vector<Near> expected =
-      NearestOf(world.layout, objects, place, max_distance, options);
-  // With and without distances: of more than 2048 ids alone, half are found at
-  // once.
-  for (std::size_t room : {1u, 8u, 63u, 64u, 700u, 3000u, 9000u}) {
-    Ids ids(room, 99);
-    std::vector<float> distances(room);
-    const std::size_t count =
-        world.Nearest(place, ids, distances, max_distance, options);
-    ASSERT_EQ(count, std::min(room, expected.size()));
-    Ids alone(room, 99);
-    ASSERT_EQ(world.Nearest(place, alone, {}, max_distance, options), count);
-    ASSERT_EQ(alone, ids);
-    ids.resize(count);
-    ExpectAreNearest(expected, ids, distances);
-    if (room > expected.size()) break;
-  }
-  const auto* const bvh = dynamic_cast<const AnyBvh*>(&world);
-  if (bvh == nullptr || ::testing::Test::HasFatalFailure()) return;
+// The rows of several places, of which the first and the last are the same.
+void ExpectNearestEach(const AnyBvh& bvh, const Objects& objects,
+                       const Place& place, float max_distance,
+                       const SearchOptions& options) {
   Place other = place;
   for (float& x : other.min) x -= 1;
   const Place places[] = {place, other, place};
+  const auto of_place =
+      NearestOf(bvh.layout, objects, place, max_distance, options);
+  const auto of_other =
+      NearestOf(bvh.layout, objects, other, max_distance, options);
   for (std::size_t k : {0u, 1u, 9u, 2100u}) {
     Ids ids(3 * k, 99);
     std::vector<float> distances(ids.size());
-    bvh->NearestEach(places, k, ids, distances, max_distance, options);
+    bvh.NearestEach(places, k, ids, distances, max_distance, options);
     Ids alone(ids.size());
-    bvh->NearestEach(places, k, alone, {}, max_distance, options);
+    bvh.NearestEach(places, k, alone, {}, max_distance, options);
     ASSERT_EQ(alone, ids);
     for (std::size_t q = 0; q < 3; ++q) {
-      const auto its =
-          NearestOf(world.layout, objects, places[q], max_distance, options);
+      const auto& its = q == 1 ? of_other : of_place;
       const std::size_t count = std::min(k, its.size());
       for (std::size_t i = q * k + count; i < (q + 1) * k; ++i) {
         ASSERT_EQ(ids[i], kNoId);
@@ -365,16 +367,21 @@ void ExpectNearest(const Searches& world, const Objects& objects,
       ExpectAreNearest(its, Ids(ids.begin() + row, ids.begin() + end),
                        {distances.begin() + row, distances.begin() + end});
     }
-    if (k > expected.size()) break;
+    if (k > of_place.size()) break;
   }
-  if (!place.is_point) return;
-  // All, some, and up to a limit that shrinks.
+}
+
+// All, some, and up to a limit that shrinks.
+void ExpectForEachNearest(const AnyBvh& bvh, const Objects& objects,
+                          const Place& place, float max_distance,
+                          const SearchOptions& options,
+                          const std::vector<Near>& expected) {
   for (std::size_t some : {std::size_t(-1), std::size_t{1}, std::size_t{30}}) {
     for (bool shrinks : {false, true}) {
       Ids ids;
       std::vector<float> distances;
       float limit = max_distance;
-      bvh->ForEachNearest(
+      bvh.ForEachNearest(
           place.min, max_distance,
           [&](std::uint32_t id, float distance, const Planes& bound) {
             EXPECT_TRUE(shrinks || AreSame(bound, objects.at(id).bound));
@@ -388,13 +395,49 @@ void ExpectNearest(const Searches& world, const Objects& objects,
           options);
       ExpectAreNearest(expected, ids, distances);
       if (::testing::Test::HasFatalFailure()) return;
-      const auto its = NearestOf(world.layout, objects, place,
-                                 shrinks ? limit : max_distance, options);
-      if (shrinks) {
-        ASSERT_EQ(ids.size(), its.size());
-      } else {
-        ASSERT_EQ(ids.size(), std::min(some, its.size()));
-      }
+      const std::size_t near =
+          std::count_if(expected.begin(), expected.end(), [&](const Near& one) {
+            return !shrinks || one.squared <= SquaredLimit(limit);
+          });
+      ASSERT_EQ(ids.size(), shrinks ? near : std::min(some, near));
+    }
+  }
+}
+
+}  // namespace
+
+void ExpectNearest(const Searches& world, const Objects& objects,
+                   const Place& place, float max_distance, const HowToAsk& how,
+                   bool exclusive) {
+  SearchOptions options;
+  options.mask = how.mask;
+  options.exclusive = exclusive;
+  const std::vector<Near> expected =
+      NearestOf(world.layout, objects, place, max_distance, options);
+  for (Target target : how.targets) {
+    SCOPED_TRACE(target.name());
+    options.target = target;
+    // With and without distances: of more than 2048 ids alone, half are found
+    // at once.
+    for (std::size_t room : {1u, 8u, 63u, 64u, 700u, 3000u, 9000u}) {
+      Ids ids(room, 99);
+      std::vector<float> distances(room);
+      const std::size_t count =
+          world.Nearest(place, ids, distances, max_distance, options);
+      ASSERT_EQ(count, std::min(room, expected.size()));
+      Ids alone(room, 99);
+      ASSERT_EQ(world.Nearest(place, alone, {}, max_distance, options), count);
+      ASSERT_EQ(alone, ids);
+      ids.resize(count);
+      ExpectAreNearest(expected, ids, distances);
+      if (room > expected.size()) break;
+    }
+    const auto* const bvh = dynamic_cast<const AnyBvh*>(&world);
+    if (bvh == nullptr || ::testing::Test::HasFatalFailure()) continue;
+    ExpectNearestEach(*bvh, objects, place, max_distance, options);
+    if (place.is_point) {
+      ExpectForEachNearest(*bvh, objects, place, max_distance, options,
+                           expected);
     }
   }
 }
@@ -441,14 +484,17 @@ std::map<std::uint32_t, float> EntriesOf(const Layout& layout,
 }
 
 void ExpectHits(const Searches& world, const Objects& objects,
-                const Motion& motion, const SearchOptions& options) {
+                const Motion& motion, const HowToAsk& how) {
   const auto expected =
-      EntriesOf(world.layout, objects, motion, motion.max_t, options.mask);
+      EntriesOf(world.layout, objects, motion, motion.max_t, how.mask);
   float first = kInf;
   for (const auto& [id, t] : expected) first = std::min(first, t);
   // Without a limit, with that of the nearest, and with others of which some
   // are farther than the last.
-  for (int how = 0; how < 3; ++how) {
+  for (std::size_t i = 0; i < 3 * how.targets.size(); ++i) {
+    const std::size_t limits = i % 3;
+    const SearchOptions options{.mask = how.mask, .target = how.targets[i / 3]};
+    SCOPED_TRACE(options.target.name());
     std::map<std::uint32_t, float> found;
     float limit = kInf;
     world.Cast(
@@ -459,8 +505,8 @@ void ExpectHits(const Searches& world, const Objects& objects,
           const auto object = objects.find(id);
           EXPECT_TRUE(object != objects.end() &&
                       AreSame(bound, object->second.bound));
-          const float next = how == 0                ? kInf
-                             : how == 1              ? t
+          const float next = limits == 0             ? kInf
+                             : limits == 1           ? t
                              : found.size() % 3 == 0 ? kInf
                              : found.size() % 3 == 1 ? 2 * t
                                                      : t;
@@ -472,7 +518,7 @@ void ExpectHits(const Searches& world, const Objects& objects,
     // casts a second one, up to the limit so far.
     const auto surely =
         limit < motion.max_t
-            ? EntriesOf(world.layout, objects, motion, limit, options.mask)
+            ? EntriesOf(world.layout, objects, motion, limit, how.mask)
             : expected;
     for (const auto& [id, t] : surely) {
       if (t <= limit) {
@@ -486,19 +532,20 @@ void ExpectHits(const Searches& world, const Objects& objects,
         ASSERT_LE(t, surely.at(id)) << id;
       }
     }
-    if (how == 1) {
+    if (limits == 1) {
       ASSERT_EQ(limit, first);
     }
+    if (limits != 0) continue;
+    std::size_t calls = 0;
+    world.Cast(
+        motion,
+        [&](std::uint32_t, float, const Planes&) {
+          ++calls;
+          return Limit{-kInf};
+        },
+        options);
+    ASSERT_EQ(calls, expected.empty() ? 0u : 1u);
   }
-  std::size_t calls = 0;
-  world.Cast(
-      motion,
-      [&](std::uint32_t, float, const Planes&) {
-        ++calls;
-        return Limit{-kInf};
-      },
-      options);
-  ASSERT_EQ(calls, expected.empty() ? 0u : 1u);
 }
 
 void ExpectPairs(const Searches& world, const Objects& objects,
@@ -765,8 +812,6 @@ void ExpectAnswers(const Searches& world, const Objects& objects,
                    const HowToAsk& how, Random& random) {
   ASSERT_EQ(world.size(), objects.size());
   const Layout& layout = world.layout;
-  const QueryOptions options{.mask = how.mask, .target = how.target};
-  const SearchOptions search{.mask = how.mask, .target = how.target};
   const auto any_object = [&] {
     auto it = objects.begin();
     std::advance(it, random() % objects.size());
@@ -785,14 +830,14 @@ void ExpectAnswers(const Searches& world, const Objects& objects,
         shapes.push_back({Shape::kBound, {query.begin(), query.end()}});
       }
     }
-    ExpectFinds(world, objects, shapes, options);
+    ExpectFinds(world, objects, shapes, how);
     if (::testing::Test::HasFatalFailure()) return;
   }
   for (float limit : {kInf, 30.0f, 0.0f}) {
     const bool is_point = random() % 2 == 0;
     ExpectNearest(world, objects,
                   SomePlace(layout, is_point, how.is_special, random), limit,
-                  search);
+                  how);
     if (::testing::Test::HasFatalFailure()) return;
   }
   if (!objects.empty()) {
@@ -802,14 +847,12 @@ void ExpectAnswers(const Searches& world, const Objects& objects,
       place.min[k] = bound[k];
       place.max[k] = bound[layout.has_max ? layout.first_max + k : k];
     }
-    SearchOptions others = search;
-    others.exclusive = true;
-    ExpectNearest(world, objects, place, kInf, others);
+    ExpectNearest(world, objects, place, kInf, how, true);
     if (::testing::Test::HasFatalFailure()) return;
   }
   for (Motion::Kind kind : {Motion::kRay, Motion::kBox, Motion::kBall}) {
     ExpectHits(world, objects, SomeMotion(layout, kind, how.is_special, random),
-               search);
+               how);
     if (::testing::Test::HasFatalFailure()) return;
   }
   if (!layout.has_max) return;
@@ -824,7 +867,7 @@ void ExpectAnswers(const Searches& world, const Objects& objects,
   asked.mask = how.mask;
   constexpr float kMargins[] = {0, 0, 0.7f, 7.0f, 1e-30f, 1e-42f, 3e38f};
   asked.margin = kMargins[random() % 7];
-  asked.targets = {how.target};
+  asked.targets = how.targets;
   ExpectPairs(world, objects, asked);
 }
 
@@ -857,7 +900,7 @@ void ExpectIsModel(const AnyBvh& world, const Objects& objects,
   }
   PairsAsked asked;
   asked.mask = how.mask;
-  asked.targets = {how.target};
+  asked.targets = how.targets;
   ExpectPairs(world, objects, asked);
   // With another world: of all, or of some.
   Spheres spheres(layout, 6, random());

@@ -49,17 +49,24 @@ PairList PairsIn(const Layout& layout, const Objects& objects);
 Ids KeptBy(const Layout& layout, const Objects& objects, const Shape& shape,
            std::uint32_t mask);
 
+struct HowToAsk {
+  std::vector<Target> targets = {Target()};  // each gives the same answers
+  std::uint32_t mask = 0xFFFFFFFF;
+  bool is_special = false;
+  std::size_t shapes = 3;  // of each kind
+};
+
 // Every call for the shapes, which are of one kind. It finds those objects that
 // the test of each shape keeps.
 void ExpectFinds(const Searches& world, const Objects& objects,
-                 std::span<const Shape> shapes, const QueryOptions& options);
+                 std::span<const Shape> shapes, const HowToAsk& how);
 // The nearest objects, by their distances as computed.
 void ExpectNearest(const Searches& world, const Objects& objects,
-                   const Place& place, float max_distance,
-                   const SearchOptions& options);
+                   const Place& place, float max_distance, const HowToAsk& how,
+                   bool exclusive = false);
 // Every hit at its t, and with limits all that are nearer.
 void ExpectHits(const Searches& world, const Objects& objects,
-                const Motion& motion, const SearchOptions& options);
+                const Motion& motion, const HowToAsk& how);
 
 // Which pairs are asked for: of one world or with another one, of all objects
 // or of some. A list of ids may have an id twice.
@@ -86,12 +93,6 @@ Place SomePlace(const Layout& layout, bool is_point, bool is_special,
 Motion SomeMotion(const Layout& layout, Motion::Kind kind, bool is_special,
                   Random& random);
 
-struct HowToAsk {
-  Target target = {};
-  std::uint32_t mask = 0xFFFFFFFF;
-  bool is_special = false;
-  std::size_t shapes = 3;  // of each kind
-};
 // Questions of all kinds, which random numbers choose.
 void ExpectAnswers(const Searches& world, const Objects& objects,
                    const HowToAsk& how, Random& random);

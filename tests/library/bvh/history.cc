@@ -16,16 +16,16 @@
 
 namespace halfspace::testing {
 
-RandomChoices::RandomChoices(const Layout& layout, std::uint64_t seed,
-                             bool may_trap)
+Choices::Choices(const Layout& layout, Random& random, bool may_trap)
     : layout_(layout),
       may_trap_(may_trap),
-      random_(seed),
-      small_(layout, 1, seed),
-      large_(layout, 15, seed),
-      coincident_(small_.Next()) {}
+      random_(random),
+      small_(layout, 1, random()),
+      large_(layout, 15, random()),
+      coincident_(small_.Next()),
+      last_(coincident_) {}
 
-Planes RandomChoices::Next() {
+Planes Choices::Next() {
   Planes bound = small_.Next();
   const std::size_t plane = random_() % layout_.plane_count;
   switch (random_() % 24) {
@@ -57,12 +57,21 @@ Planes RandomChoices::Next() {
     case 8:
     case 9:
       return coincident_;
+    case 10:  // some planes of another bound, or one ulp beside them
+      for (std::size_t p = 0; !may_trap_ && p < layout_.plane_count; ++p) {
+        const std::size_t how = random_() % 4;
+        if (how < 3) bound[p] = last_[p];
+        if (how > 0)
+          bound[p] = std::nextafter(bound[p], how == 1 ? kInf : -kInf);
+      }
+      return bound;
     default:
+      last_ = bound;
       return bound;
   }
 }
 
-Planes RandomChoices::Moved(const Planes& bound) {
+Planes Choices::Moved(const Planes& bound) {
   if (random_() % 4 == 0) return Next();
   Planes moved = bound;
   for (std::size_t k = 0; k < layout_.axes; ++k) {
@@ -73,7 +82,7 @@ Planes RandomChoices::Moved(const Planes& bound) {
   return moved;
 }
 
-BodyMasks RandomChoices::Masks() {
+BodyMasks Choices::Masks() {
   constexpr std::uint32_t kBits[] = {0, 1, 2, std::uint32_t{1} << 31};
   BodyMasks masks;
   if (random_() % 3 == 0) masks.category = kBits[random_() % 4];

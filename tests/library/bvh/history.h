@@ -1,6 +1,5 @@
 // Histories of BVHs: changes of every kind, of a BVH, its copies and a list of
-// its objects, which choices decide. These come from random numbers or from the
-// bytes of a fuzzer.
+// its objects.
 #ifndef HALFSPACE_TESTS_LIBRARY_BVH_HISTORY_H_
 #define HALFSPACE_TESTS_LIBRARY_BVH_HISTORY_H_
 
@@ -15,36 +14,26 @@
 
 namespace halfspace::testing {
 
-class Choices {
- public:
-  virtual ~Choices() = default;
-  virtual std::size_t Below(std::size_t end) = 0;  // at most 2^16
-  virtual Planes Next() = 0;
-  virtual Planes Moved(const Planes& bound) = 0;
-  virtual BodyMasks Masks() = 0;
-};
-
 // Bounds of every kind: small ones that move, and each that is special.
 // Searches may trap on subnormals or flush them, so `may_trap` leaves these
 // out.
-class RandomChoices final : public Choices {
+class Choices {
  public:
-  RandomChoices(const Layout& layout, std::uint64_t seed,
-                bool may_trap = false);
-  std::size_t Below(std::size_t end) override { return random_() % end; }
-  Planes Next() override;
+  Choices(const Layout& layout, Random& random, bool may_trap = false);
+  std::size_t Below(std::size_t end) { return random_() % end; }
+  Planes Next();
   // By up to a quarter of a small bound's size, or somewhere else.
-  Planes Moved(const Planes& bound) override;
-  BodyMasks Masks() override;
-  Random& random() { return random_; }
+  Planes Moved(const Planes& bound);
+  BodyMasks Masks();
 
  private:
   Layout layout_;
   bool may_trap_;
-  Random random_;
+  Random& random_;
   Spheres small_;
   Spheres large_;
   Planes coincident_;
+  Planes last_;
 };
 
 // Doubles that are rounded outward to these floats.

@@ -65,34 +65,6 @@ TEST(BvhKnownTest, TheFirstLeafIsReadAloneIfItsCodesAreUnsure) {
   }
 }
 
-// Three levels: the root learns of masks that change no bound.
-TEST(BvhKnownTest, AMaskIsKnownAtTheRoot) {
-  AabbBvh3 bvh(Spread<AabbView3>(1.0f).Objects(9000));
-  bvh.SetMasks(Ids(9000, 1));
-  bvh.SetMasks(7, 2);
-  EXPECT_EQ(CountSurvivors(bvh, Aabb3::Everything(), {.mask = 2}), 1u);
-  bvh.Erase(7);
-  EXPECT_EQ(CountSurvivors(bvh, Aabb3::Everything(), {.mask = 2}), 0u);
-}
-
-// Its block has a level of nodes for the others. asan sees what a change of a
-// list writes behind its scratch memory.
-TEST(BvhKnownTest, FewObjectsWithRoomForManyChangeAsAList) {
-  const AabbWorld3 world = Spread<AabbView3>(4.0f).Objects(10);
-  AabbBvh3 bvh(world.view());
-  bvh.Reserve(1000);
-  Ids ids;
-  std::vector<Aabb3> bounds;
-  for (std::uint32_t id = 0; id < 10; ++id) {
-    ids.push_back(9 - id);
-    bounds.push_back(world.Get(id));
-  }
-  bvh.Set(ids, bounds);
-  for (std::uint32_t id = 0; id < 10; ++id) {
-    EXPECT_EQ(bvh.Get(9 - id), bounds[id]);
-  }
-}
-
 // What is far from a diagonal segment is rejected, though its bound is not; and
 // what is in a corner of a sphere's.
 TEST(BvhKnownTest, ShapesRejectWhatTheirBoundsKeep) {

@@ -6,8 +6,9 @@
 #include <cstddef>
 #include <limits>
 #include <optional>
-#include <stdexcept>
+#include <string>
 
+#include "halfspace/error.h"
 #include "tests/library/fit/exact_frustum.h"
 #include "tests/library/fit/exact_shapes.h"
 #include "tests/library/support/exact.h"
@@ -34,6 +35,33 @@ bool AreFinite(const Builder& builder, const Shape& shape, std::size_t begin) {
     if (!std::isfinite(builder.Number(shape, i))) return false;
   }
   return true;
+}
+
+// An error names the call, an argument that is wrong, and what it is.
+::testing::AssertionResult NamesWhatIsWrong(const Builder& builder,
+                                            const Shape& shape,
+                                            const std::string& message) {
+  const std::string call = "halfspace: " + std::string(builder.call) + ": ";
+  const auto says = [&](const std::string& start, const std::string& end) {
+    return message.starts_with(call + start) &&
+           message.find(end, call.size() + start.size()) != std::string::npos;
+  };
+  bool is_named = builder.change == Change::kCircumscribe &&
+                  says("simplex: expected",
+                       "0 or less, got a simplex that contains no point");
+  for (std::size_t i = 0; i < builder.roles.size(); ++i) {
+    const double number = builder.Number(shape, i);
+    if (builder.roles[i] == Role::kMinimum && builder.kind != Kind::kChange) {
+      const std::string axis = "[" + std::to_string(i) + "]";
+      is_named |= number > builder.Number(shape, i + builder.dims) &&
+                  says("box: expected min" + axis, "max" + axis);
+    } else if (!(number >= 0)) {
+      is_named |= says(builder.Argument(i) + ": expected a number",
+                       std::isnan(number) ? "got nan" : "not negative, got -");
+    }
+  }
+  if (is_named) return ::testing::AssertionSuccess();
+  return ::testing::AssertionFailure() << "the error is \"" << message << '"';
 }
 
 // Builders.
@@ -139,7 +167,9 @@ bool IsTooFarApart(const HalfSpace<3, double>& plane) {
     is_refused |= is_inverted;
   }
   if (is_refused || outcome.is_refused) {
-    if (is_refused && outcome.is_refused) return ::testing::AssertionSuccess();
+    if (is_refused && outcome.is_refused) {
+      return NamesWhatIsWrong(builder, shape, outcome.message);
+    }
     return Expected(is_refused ? "an error" : "no error");
   }
   if (!AreFinite(builder, shape, 0)) {
@@ -349,7 +379,9 @@ bool IsRefusedChange(const Builder& builder, const Shape& shape) {
   }
   const bool is_refused = IsRefusedChange(builder, shape);
   if (is_refused || outcome.is_refused) {
-    if (is_refused && outcome.is_refused) return ::testing::AssertionSuccess();
+    if (is_refused && outcome.is_refused) {
+      return NamesWhatIsWrong(builder, shape, outcome.message);
+    }
     return Expected(is_refused ? "an error" : "no error");
   }
   const float* const given = shape.floats.data();
@@ -405,8 +437,9 @@ Outcome Try(const Builder& builder, const Shape& shape) {
   Outcome outcome;
   try {
     outcome.planes = builder.Build(shape, &outcome.status);
-  } catch (const std::invalid_argument&) {
+  } catch (const Error& error) {
     outcome.is_refused = true;
+    outcome.message = error.what();
   }
   return outcome;
 }

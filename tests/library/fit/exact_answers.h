@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 #include "halfspace/fit_status.h"
 #include "tests/library/fit/builders.h"
 
@@ -12,6 +14,7 @@ namespace halfspace::testing {
 
 struct Outcome {
   bool is_refused = false;
+  std::string message;  // of the error
   Planes planes{};
   FitStatus status{};
 };

@@ -1,8 +1,8 @@
-// What builders and changes of bounds refuse, and how they say it.
+// What builders refuse of points, pieces and planes, and how they say it. What
+// they refuse of numbers is in exact_answers.h.
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -10,89 +10,12 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "halfspace/fit.h"
-#include "tests/library/fit/builders.h"
 #include "tests/library/support/expect_invalid.h"
 
 namespace halfspace::testing {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-class FitErrorsTest : public ::testing::TestWithParam<Builder> {
- protected:
-  static void ExpectRefused(const Shape& shape,
-                            std::initializer_list<std::string_view> parts) {
-    FitStatus status;
-    EXPECT_TRUE(Refuses([&] { GetParam().Build(shape, &status); }, parts));
-    EXPECT_EQ(status.results, 0u);
-  }
-};
-
-// Lengths, and what simplices are scaled by.
-TEST_P(FitErrorsTest, LengthsBelowZeroAndNan) {
-  const Builder& builder = GetParam();
-  for (std::size_t i = 0; i < builder.roles.size(); ++i) {
-    const Role role = builder.roles[i];
-    if (role != Role::kLength && role != Role::kFactor) continue;
-    const std::string argument = builder.Argument(i) + ": expected a number";
-    Shape shape = ShapeOfOnes(builder);
-    shape.Set(i, kNan);
-    ExpectRefused(shape,
-                  {"halfspace: ", builder.call, ": ", argument, "got nan"});
-    if (role == Role::kFactor && builder.part < Part::kUp) continue;
-    for (double bad :
-         {-1.0, builder.IsDouble(i) ? -0x1p-1074 : -0x1p-149, -kInfinity}) {
-      shape.Set(i, bad);
-      ExpectRefused(shape, {"halfspace: ", builder.call, ": ", argument,
-                            "not negative", "got -"});
-    }
-    shape.Set(i, -0.0);
-    FitStatus status;
-    EXPECT_NO_THROW(builder.Build(shape, &status));
-    EXPECT_EQ(status.results, 1u);
-    EXPECT_EQ(status.everything, 0u);
-  }
-}
-
-TEST_P(FitErrorsTest, InvertedBoxes) {
-  const Builder& builder = GetParam();
-  if (builder.kind != Kind::kBox && builder.kind != Kind::kImageOfBox) return;
-  for (std::size_t k = 0; k < builder.dims; ++k) {
-    const std::string axis = "[" + std::to_string(k) + "]";
-    const double above = builder.is_double ? 1 + 0x1p-52 : 1 + 0x1p-23;
-    // Empty in one axis only is not Empty().
-    for (double min : {above, 2.0, kInfinity}) {
-      Shape shape = ShapeOfOnes(builder);
-      shape.Set(k, min);
-      if (min == kInfinity) shape.Set(k + builder.dims, -kInfinity);
-      ExpectRefused(shape, {builder.call, "box: expected min" + axis,
-                            "max" + axis, "got"});
-    }
-  }
-}
-
-// By one float: the planes' sum is exact.
-TEST_P(FitErrorsTest, SimplexWithoutAPoint) {
-  const Builder& builder = GetParam();
-  if (builder.change != Change::kCircumscribe) return;
-  const auto dims = static_cast<double>(builder.dims);
-  const double sign = builder.part == Part::kUp ? 1 : -1;
-  Shape shape;
-  for (std::size_t k = 0; k < builder.dims; ++k) shape.Set(k, sign);
-  shape.Set(builder.dims, -sign * dims);
-  EXPECT_NO_THROW(builder.Build(shape));
-  shape.Set(0, sign * (1 + 0x1p-23));
-  ExpectRefused(shape, {"Circumscribe", "simplex: expected", "0 or less",
-                        "got a simplex that contains no point"});
-}
-
-INSTANTIATE_TEST_SUITE_P(, FitErrorsTest,
-                         ::testing::ValuesIn(BuildersAndChanges()),
-                         BuilderNames());
 
 class FitPointErrorsTest : public ::testing::Test {
  protected:

@@ -1,5 +1,5 @@
 // Exact sums of products, and their rounding, against GMP. Sums of few numbers
-// are in fit_exact_test.cc.
+// are in fit_test.cc.
 #include "dispatch/exact/outward.h"
 
 #include <gtest/gtest.h>

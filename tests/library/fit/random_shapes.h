@@ -11,12 +11,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <random>
 #include <span>
 #include <string>
 #include <utility>
 
+#include "halfspace/fit.h"
 #include "tests/library/fit/builders.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/inputs.h"
@@ -241,24 +243,224 @@ inline void MakeCancelling(const RandomNumbers& numbers,
   }
 }
 
-// A box whose faces lean a little: its corners take quotients.
-inline void FillFrustum(const RandomNumbers& numbers, std::span<double> planes,
-                        Random& random) {
-  for (std::size_t i = 0; i < planes.size(); ++i) {
-    planes[i] = i % 4 == 3 ? numbers.Length() + 1
-                : i % 4 == i / 8
-                    ? (i / 4 % 2 == 0 ? 1 : -1)
-                    : std::uniform_real_distribution(-0.1, 0.1)(random);
+}  // namespace internal
+
+using SixPlanes = std::array<HalfSpace3, 6>;
+
+namespace internal {
+
+inline float Dot(const Point3& a, const Point3& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+inline Point3 Combined(float s, const Point3& a, float t, const Point3& b) {
+  return {s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2]};
+}
+
+inline Point3 RandomPoint3(PointKind kind, Random& random) {
+  Point3 point;
+  RandomFloats<float>(kind, random, point);
+  return point;
+}
+
+// Small enough for products with any coordinate.
+inline Point3 RandomNormal(PointKind kind, Random& random) {
+  Point3 normal = RandomPoint3(kind, random);
+  if (kind == PointKind::kWideExponents) {
+    for (float& x : normal) x *= 0x1p-122f;
   }
+  return normal;
+}
+
+// The plane through a point, or nearly: it is what its floats say.
+inline HalfSpace3 PlaneThrough(const Point3& point, const Point3& normal) {
+  return {normal, -Dot(normal, point)};
+}
+
+inline SixPlanes RandomBox(PointKind kind, Random& random) {
+  const Point3 a = RandomPoint3(kind, random);
+  const Point3 b = RandomPoint3(kind, random);
+  const Aabb3 box = BoundSegment(Segment3{a, b}).aabb();
+  SixPlanes planes{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    planes[k].normal[k] = 1.f;
+    planes[k].offset = -box.min[k];
+    planes[k + 3].normal[k] = -1.f;
+    planes[k + 3].offset = box.max[k];
+  }
+  return planes;
+}
+
+// Of three random directions, around a random point.
+inline SixPlanes RandomParallelepiped(PointKind kind, Random& random) {
+  const auto center = RandomPoint3(PointKind::kUniform, random);
+  SixPlanes planes;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto normal = RandomNormal(kind, random);
+    for (float side : {-1.f, 1.f}) {
+      HalfSpace3& plane = planes[side < 0.f ? k : k + 3];
+      plane = PlaneThrough(center, Combined(side, normal, 0.f, normal));
+      plane.offset += std::fabs(plane.offset) * RandomMantissa(random);
+    }
+  }
+  return planes;
+}
+
+// Four planes through an eye, and two across the view.
+inline SixPlanes RandomView(PointKind kind, Random& random) {
+  const auto eye = RandomPoint3(
+      kind == PointKind::kWideExponents ? PointKind::kUniform : kind, random);
+  const auto right = RandomPoint3(PointKind::kUniform, random);
+  const auto up = RandomPoint3(PointKind::kUniform, random);
+  const auto forward = RandomPoint3(PointKind::kUniform, random);
+  const float wide = RandomMantissa(random);
+  const float high = RandomMantissa(random);
+  const float near = RandomMantissa(random);
+  const Point3 to = Combined(1.f, eye, near, forward);
+  const Point3 end = Combined(1.f, eye, 2.f + near, forward);
+  return {PlaneThrough(eye, Combined(wide, forward, 1.f, right)),
+          PlaneThrough(eye, Combined(wide, forward, -1.f, right)),
+          PlaneThrough(eye, Combined(high, forward, 1.f, up)),
+          PlaneThrough(eye, Combined(high, forward, -1.f, up)),
+          PlaneThrough(to, forward),
+          PlaneThrough(end, Combined(-1.f, forward, 0.f, up))};
+}
+
+// About half of these are open; some are empty.
+inline SixPlanes RandomHalfSpaces(PointKind kind, Random& random) {
+  const auto inside = RandomPoint3(kind, random);
+  const bool around = !OneIn(4, random);
+  SixPlanes planes;
+  for (HalfSpace3& plane : planes) {
+    plane = PlaneThrough(inside, RandomNormal(kind, random));
+    plane.offset += around ? std::fabs(plane.offset) : plane.offset;
+  }
+  return planes;
+}
+
+// A box without width, one face of which leans by less than doubles can tell:
+// it is cut, or gone.
+inline SixPlanes RandomSheet(PointKind kind, Random& random) {
+  SixPlanes planes = RandomBox(kind, random);
+  const std::size_t axis = random() % 3;
+  planes[axis + 3].offset = -planes[axis].offset;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (k == axis) continue;
+    planes[axis].normal[k] =
+        RandomSign(random) * std::ldexp(1.f, RandomExponent(-70, -46, random));
+  }
+  return planes;
+}
+
+// x, y, z >= the origin's and x + y + z <= something: a corner of a box.
+inline SixPlanes RandomCorner(PointKind kind, Random& random) {
+  const auto origin = RandomPoint3(kind, random);
+  const auto length = [&] {
+    return static_cast<float>(RandomNumbers(kind, false, random).Length());
+  };
+  SixPlanes planes{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    planes[k].normal[k] = 1.f;
+    planes[k].offset = -origin[k];
+    planes[3].normal[k] = -1.f;
+  }
+  planes[3].offset = -Dot(planes[3].normal, origin) + length();
+  const std::size_t how = random() % 4;
+  if (how == 0) {
+    planes[4] = planes[5] = planes[random() % 4];
+    return planes;
+  }
+  // Without a normal: in front or on it everywhere, or behind it everywhere.
+  planes[4] = {{0.f, 0.f, 0.f}, how == 1 ? -0x1p-149f : 0.f};
+  planes[5] = {{0.f, -0.f, 0.f}, length()};
+  if (how == 2) planes[3] = planes[random() % 3];  // open
+  return planes;
 }
 
 }  // namespace internal
+
+// Neither the order of the planes nor the lengths of the normals matter.
+inline SixPlanes RandomFrustum(PointKind kind, Random& random) {
+  constexpr SixPlanes (*kMakers[])(PointKind, Random&) = {
+      &internal::RandomBox,   &internal::RandomParallelepiped,
+      &internal::RandomView,  &internal::RandomHalfSpaces,
+      &internal::RandomSheet, &internal::RandomCorner};
+  SixPlanes planes = kMakers[random() % std::size(kMakers)](kind, random);
+  for (HalfSpace3& plane : planes) {
+    const int exponent = RandomExponent(-20, 4, random);
+    for (float& x : plane.normal) x = std::ldexp(x, exponent);
+    plane.offset = std::ldexp(plane.offset, exponent);
+  }
+  std::shuffle(planes.begin(), planes.end(), random);
+  return planes;
+}
+
+// Numbers beside those of floats, and then any lengths of the normals.
+inline Shape ShapeOf(const SixPlanes& planes, bool is_double, Random& random) {
+  Shape shape;
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    const int exponent = is_double ? RandomExponent(-300, 300, random) : 0;
+    for (std::size_t n = 0; n < 4; ++n) {
+      const float value = n < 3 ? planes[i].normal[n] : planes[i].offset;
+      shape.floats[4 * i + n] = value;
+      const double wide =
+          is_double && value != 0.f ? WithMoreBits(value, random) : value;
+      shape.doubles[4 * i + n] = std::ldexp(wide, exponent);
+    }
+  }
+  return shape;
+}
+
+// Some numbers become anything at all, or a neighbour of another one. A bound
+// may become Everything(), Empty(), or what engines initialise boxes to.
+inline void Spoil(const Builder& builder, Shape& shape, Random& random) {
+  const std::size_t count = builder.roles.size();
+  const std::size_t planes = builder.first_argument();
+  if (builder.kind == Kind::kChange && OneIn(8, random)) {
+    const double most = std::numeric_limits<float>::max();
+    const double minima[] = {std::numeric_limits<float>::infinity(), -most,
+                             most};
+    const double minimum = minima[random() % 3];
+    const bool is_second = builder.change == Change::kMerge && OneIn(2, random);
+    for (std::size_t p = 0; p < planes; ++p) {
+      const bool is_minimum = builder.roles[p] == Role::kMinimum;
+      shape.Set(is_second ? planes + p : p, is_minimum ? minimum : -minimum);
+    }
+  }
+  for (std::size_t n = random() % 4; n-- > 0;) {
+    const std::size_t at = random() % count;
+    const double other = builder.Number(shape, random() % count);
+    const float towards =
+        RandomSign(random) * std::numeric_limits<float>::infinity();
+    const auto bits = random();
+    switch (random() % 5) {
+      case 0:
+        shape.Set(at, SpecialValue<float>(random));
+        break;
+      case 1:
+        shape.Set(at, SpecialValue<double>(random));
+        break;
+      case 2:
+        shape.Set(at, std::bit_cast<float>(static_cast<std::uint32_t>(bits)));
+        break;
+      case 3:
+        shape.Set(at, std::bit_cast<double>(bits));
+        break;
+      default:
+        shape.floats[at] = std::nextafter(static_cast<float>(other), towards);
+        shape.doubles[at] = std::nextafter(other, double{towards});
+    }
+  }
+}
 
 inline Shape RandomShape(const Builder& builder, PointKind kind,
                          Random& random) {
   const std::size_t dims = builder.dims;
   const std::size_t count = builder.roles.size();
   const std::size_t first = builder.first_argument();
+  if (builder.kind == Kind::kFrustum) {
+    return ShapeOf(RandomFrustum(kind, random), builder.is_double, random);
+  }
   const RandomNumbers numbers(kind, builder.is_double, random);
   const RandomNumbers map_numbers(kind, builder.is_map_double, random);
   std::array<double, kMostNumbers> values{};
@@ -297,9 +499,6 @@ inline Shape RandomShape(const Builder& builder, PointKind kind,
       if (builder.kind == Kind::kCapsule && OneIn(4, random)) {
         std::copy_n(all.begin(), dims, all.begin() + dims);
       }
-      break;
-    case Kind::kFrustum:
-      internal::FillFrustum(numbers, all.first(count), random);
       break;
     case Kind::kImageOfPoints:
     case Kind::kImageOfBox: {

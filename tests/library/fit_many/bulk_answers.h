@@ -1,5 +1,6 @@
-// What a call for many shapes must give: for each of them the bound that the
-// builder of one gives, as far as the options allow.
+// Random shapes for the rows of bulk.h, and what a call for many shapes must
+// give: for each of them the bound that the builder of one gives, as far as the
+// options allow.
 #ifndef HALFSPACE_TESTS_LIBRARY_FIT_MANY_BULK_ANSWERS_H_
 #define HALFSPACE_TESTS_LIBRARY_FIT_MANY_BULK_ANSWERS_H_
 
@@ -14,11 +15,56 @@
 #include <vector>
 
 #include "tests/library/fit/exact_shapes.h"
+#include "tests/library/fit/random_shapes.h"
 #include "tests/library/fit_many/bulk.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/fp_modes.h"
 
 namespace halfspace::testing {
+
+inline BulkShapes RandomShapes(const Bulk& bulk, PointKind kind,
+                               std::size_t count, Random& random) {
+  const RandomNumbers numbers(kind, bulk.is_double, random);
+  BulkShapes shapes(count);
+  for (auto& shape : shapes) {
+    if (bulk.kind == Kind::kPoints) {
+      // Few points, or, now and then, more than fill some vectors.
+      std::size_t points = 1 + random() % 4;
+      if (OneIn(16, random)) points += random() % 150;
+      shape.resize(points * bulk.dims);
+      for (std::size_t i = 0; i < shape.size(); i += bulk.dims) {
+        numbers.FillPoint(std::span(shape).subspan(i, bulk.dims));
+      }
+      continue;
+    }
+    const Shape random_shape = RandomShape(bulk.single(), kind, random);
+    for (std::size_t i = 0; i < bulk.single().roles.size(); ++i) {
+      shape.push_back(bulk.single().Number(random_shape, i));
+    }
+  }
+  return shapes;
+}
+
+// Some numbers become anything at all (Spoil()), unless rounding then decides
+// if the shape can be bounded, and so the order of the sum.
+inline void SpoilOne(const Bulk& bulk, std::vector<double>& numbers,
+                     Random& random) {
+  const Builder& single = bulk.single();
+  const std::size_t count = single.roles.size();
+  if (numbers.size() < count) return;
+  Shape shape;
+  for (std::size_t n = 0; n < count; ++n) shape.Set(n, numbers[n]);
+  Spoil(single, shape, random);
+  const std::size_t in_point = bulk.dims + (bulk.kind == Kind::kSphere ? 1 : 0);
+  for (std::size_t i = 0; i < count; i += in_point) {
+    double sum = 0;
+    for (std::size_t n = i; n < i + in_point; ++n) {
+      sum += std::fabs(single.Number(shape, n));
+    }
+    if (std::fabs(sum - 0x1p125) <= 0x1p105) return;
+  }
+  for (std::size_t n = 0; n < count; ++n) numbers[n] = single.Number(shape, n);
+}
 
 class BulkAnswers {
  public:

@@ -9,43 +9,15 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "halfspace/world.h"
-#include "tests/library/fit/random_shapes.h"
 #include "tests/library/fit_many/bulk.h"
 #include "tests/library/fit_many/bulk_answers.h"
 #include "tests/library/support/environment.h"
 
 namespace halfspace::testing {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-BulkShapes RandomShapes(const Bulk& bulk, PointKind kind, std::size_t count,
-                        Random& random) {
-  const RandomNumbers numbers(kind, bulk.is_double, random);
-  BulkShapes shapes(count);
-  for (auto& shape : shapes) {
-    if (bulk.kind == Kind::kPoints) {
-      // Few points, or, now and then, more than fill some vectors.
-      std::size_t points = 1 + random() % 4;
-      if (OneIn(16, random)) points += random() % 150;
-      shape.resize(points * bulk.dims);
-      for (std::size_t i = 0; i < shape.size(); i += bulk.dims) {
-        numbers.FillPoint(std::span(shape).subspan(i, bulk.dims));
-      }
-      continue;
-    }
-    const Shape random_shape = RandomShape(bulk.single(), kind, random);
-    for (std::size_t i = 0; i < bulk.single().roles.size(); ++i) {
-      shape.push_back(bulk.single().Number(random_shape, i));
-    }
-  }
-  return shapes;
-}
 
 // 2^30 + 2^6 rounds to 2^30, as does the sum of that and z = 2^6 - 2^-18. The
 // two errors, 2^6 and z, add up to 2^7 - 2^-18, which rounds to 2^7; and
@@ -76,50 +48,46 @@ class FitManyTest : public ::testing::TestWithParam<Bulk> {
  protected:
   static constexpr std::size_t kTile = 64;
 
-  // In every layout, in memory of make_arena().
+  // In every layout, in memory of make_arena(). In all but the first any planes
+  // may be wanted: simplices, boxes, D, and any others.
   template <typename MakeArena>
-  static void ExpectAll(BulkAnswers& answers, const BulkShapes& shapes,
-                        const MakeArena& make_arena) {
+  void ExpectAll(BulkAnswers& answers, const BulkShapes& shapes,
+                 const MakeArena& make_arena) {
     BulkSource source(GetParam(), shapes);
+    std::uint32_t wanted = 0xFFFFFFFF;
     for (BulkLayout layout : kBulkLayouts) {
       Arena arena = make_arena();
       source.Place(arena, layout);
-      ASSERT_TRUE(answers.Check(source, arena))
+      ASSERT_TRUE(answers.Check(source, arena, wanted))
           << "layout " << static_cast<int>(layout);
+      wanted = static_cast<std::uint32_t>(planes_());
     }
   }
+
+ private:
+  Random planes_{72};
 };
 
 TEST_P(FitManyTest, BoundsAreThoseOfOneShape) {
   constexpr std::size_t kShapes = 150;  // more than two tiles and a tail
-  for (bool is_tightest : {false, true}) {
+  for (int options = 0; options < 4; ++options) {
     const auto expect_all = [&](const BulkShapes& shapes) {
-      BulkAnswers answers(GetParam(), shapes, {.tightest = is_tightest});
+      BulkAnswers answers(
+          GetParam(), shapes,
+          {.tightest = options % 2 != 0,
+           .inverted = options < 2 ? Inverted::kEverything : Inverted::kEmpty});
       ExpectAll(answers, shapes, [] { return Arena(); });
     };
     ForEachSample(70, 2, kShapes, [&](PointKind kind, Random& random) {
-      expect_all(RandomShapes(GetParam(), kind, kShapes, random));
+      BulkShapes shapes = RandomShapes(GetParam(), kind, kShapes, random);
+      expect_all(shapes);
+      // Some with anything at all in them.
+      for (auto& shape : shapes) {
+        if (random() % 4 == 0) SpoilOne(GetParam(), shape, random);
+      }
+      expect_all(shapes);
     });
     expect_all(HardShapes(GetParam()));
-  }
-}
-
-// Any planes may be wanted: simplices, boxes, D, and any others.
-TEST_P(FitManyTest, PlanesThatAreNotWantedAreNotWritten) {
-  const Bulk& bulk = GetParam();
-  Random random(72);
-  const BulkShapes shapes =
-      RandomShapes(bulk, PointKind::kUniform, kTile + 7, random);
-  Arena arena;
-  BulkSource source(bulk, shapes);
-  source.Place(arena, BulkLayout::kColumns);
-  BulkAnswers answers(bulk, shapes);
-  const std::uint32_t d = 1u << bulk.dims;
-  const std::uint32_t most = (1u << bulk.planes()) - 1;
-  for (std::uint32_t wanted :
-       {most, 2 * d - 1, most - (2 * d - 1), most - d - (most + 1) / 2,
-        d + (most + 1) / 2, 1u, most - 1, 5u}) {
-    ASSERT_TRUE(answers.Check(source, arena, wanted));
   }
 }
 
@@ -165,116 +133,23 @@ TEST_P(FitManyTest, StrideZeroIsTheSameShape) {
 
 // One bad shape among good ones, in every lane: what it becomes, how it is
 // counted, and that the others do not change.
-class FitManySpecialTest : public FitManyTest {
- protected:
-  static constexpr std::size_t kShapes = kTile + 7;  // a tile and a tail
-
-  void SetUp() override {
-    const Shape ones = ShapeOfOnes(GetParam().single());
-    std::vector<double> shape(
-        ones.doubles.begin(),
-        ones.doubles.begin() +
-            static_cast<std::ptrdiff_t>(GetParam().single().roles.size()));
-    shapes_.assign(kShapes, shape);
-  }
-
-  static void ExpectOne(const BulkShapes& shapes, BulkSource& source,
-                        std::size_t bad, const Planes& expected,
-                        FitOptions options = {},
-                        std::uint32_t canary = Arena::kNanCanary) {
-    for (bool tightest : {false, true}) {
-      options.tightest = tightest;
-      BulkAnswers answers(GetParam(), shapes, options);
-      answers.Set(bad, expected);
-      Arena arena(0, canary);
-      source.Place(arena, BulkLayout::kColumns);
-      ASSERT_TRUE(answers.Check(source, arena)) << bad;
-    }
-  }
-
-  void ExpectShape(std::size_t at, const std::vector<double>& shape,
-                   const Planes& expected, const FitOptions& options = {}) {
-    BulkShapes shapes = shapes_;
-    shapes[at] = shape;
-    BulkSource source(GetParam(), shapes);
-    ExpectOne(shapes, source, at, expected, options);
-  }
-
-  BulkShapes shapes_;
-};
-
-TEST_P(FitManySpecialTest, NumbersAreTreatedAsByTheSingleBuilder) {
-  const Bulk& bulk = GetParam();
-  const double most = bulk.is_double ? std::numeric_limits<double>::max()
-                                     : std::numeric_limits<float>::max();
-  const double too_large =
-      bulk.is_double ? 0x1.0000000000001p125 : 0x1.000002p125;
-  for (std::size_t at = 0; at < kShapes; at += 7) {
-    for (std::size_t i = 0; i < shapes_[at].size(); ++i) {
-      for (double bad : {kNan, kInfinity, too_large, most, -kNan, -kInfinity,
-                         -too_large, -most, 0.0, -0x1p-149}) {
-        std::vector<double> shape = shapes_[at];
-        shape[i] = bad;
-        const Planes single = bulk.Single(shape);
-        // Good ones are not tested here.
-        if (single != bulk.single().Everything()) continue;
-        ExpectShape(at + i % 7 < kShapes ? at + i % 7 : at, shape, single);
-        if (HasFatalFailure()) return;
-      }
-    }
-  }
-}
-
-TEST_P(FitManySpecialTest, InvertedBoxes) {
-  const Bulk& bulk = GetParam();
-  if (bulk.kind != Kind::kBox) return;
-  const double most = bulk.is_double ? std::numeric_limits<double>::max()
-                                     : std::numeric_limits<float>::max();
-  const std::size_t dims = bulk.dims;
-  const Planes everything = bulk.single().Everything();
-  const Planes empty = bulk.single().Empty();
-  const FitOptions to_empty{.inverted = Inverted::kEmpty};
-  for (std::size_t at = 0; at < kShapes && !HasFatalFailure(); ++at) {
-    const std::size_t k = at % dims;
-    for (const auto& [min, max] :
-         {std::pair(0x1p-149, 0.0), std::pair(2.0, 1.0),
-          std::pair(kInfinity, -kInfinity), std::pair(most, -most)}) {
-      std::vector<double> box = shapes_[at];
-      box[k] = min;
-      box[dims + k] = max;
-      ExpectShape(at, box, everything);
-      ExpectShape(at, box, empty, to_empty);
-      // A NaN elsewhere is a mistake all the same.
-      box[dims + (k + 1) % dims] = kNan;
-      ExpectShape(at, box, everything, to_empty);
-    }
-    for (const FitOptions& options : {FitOptions(), to_empty}) {
-      std::vector<double> box(dims, kInfinity);
-      box.resize(2 * dims, -kInfinity);
-      ExpectShape(at, box, empty, options);
-      if (!bulk.is_double) {
-        box[0] = most;
-        ExpectShape(at, box, empty, options);
-      }
-      std::fill_n(box.begin(), dims, most);
-      std::fill(box.begin() + static_cast<std::ptrdiff_t>(dims), box.end(),
-                -most);
-      ExpectShape(at, box, empty, options);
-      for (double& value : box) value = -value;
-      ExpectShape(at, box, everything, options);
-    }
-  }
-}
-
-TEST_P(FitManySpecialTest, IndicesAndEndsThatAreOutOfRange) {
+TEST_P(FitManyTest, IndicesAndEndsThatAreOutOfRange) {
+  constexpr std::size_t kShapes = kTile + 7;  // a tile and a tail
   const Bulk& bulk = GetParam();
   if (!bulk.IsOfPoints()) return;
   const Planes everything = bulk.single().Everything();
-  const BulkSource good(bulk, shapes_);
-  const auto expect = [&](BulkSource& source, std::size_t at,
+  const BulkShapes shapes(kShapes, std::vector<double>(3 * bulk.dims, 1.0));
+  const BulkSource good(bulk, shapes);
+  const auto expect = [&](BulkSource& source, std::size_t bad,
                           const Planes& expected) {
-    // What is read past the end could be bounded.
-    ExpectOne(shapes_, source, at, expected, {}, Arena::kFiniteCanary);
+    for (bool is_tightest : {false, true}) {
+      BulkAnswers answers(bulk, shapes, {.tightest = is_tightest});
+      answers.Set(bad, expected);
+      // What is read past the end could be bounded.
+      Arena arena(0, Arena::kFiniteCanary);
+      source.Place(arena, BulkLayout::kColumns);
+      ASSERT_TRUE(answers.Check(source, arena)) << bad;
+    }
   };
   for (std::size_t i = 0; i < 3 * kShapes && !HasFatalFailure(); ++i) {
     if (bulk.kind != Kind::kTriangle) break;
@@ -306,8 +181,6 @@ struct BulkName {
   }
 };
 INSTANTIATE_TEST_SUITE_P(, FitManyTest, ::testing::ValuesIn(Bulks()),
-                         BulkName());
-INSTANTIATE_TEST_SUITE_P(, FitManySpecialTest, ::testing::ValuesIn(Bulks()),
                          BulkName());
 
 // Builds so large that they are written past the caches, against small ones. In

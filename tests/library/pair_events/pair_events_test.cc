@@ -60,7 +60,7 @@ TEST_P(PairEventsTest, AreTheDifferenceOfAllPairs) {
   Random random(1);
   for (std::uint64_t seed = 0; seed < Scaled(12); ++seed) {
     constexpr std::size_t kSizes[] = {0, 40, 150, 400};
-    RandomChoices choices(GetParam(), seed);
+    Choices choices(GetParam(), random);
     BvhHistory history(GetParam(), choices, kSizes[seed % 4], 40,
                        FpMode::kDefault);
     PairEvents mixed;

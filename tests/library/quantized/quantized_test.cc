@@ -1,15 +1,27 @@
 // Quantized bounds of every kind of world, on every target, schedule and call:
 // what floats keep they keep, and refined they give the floats' answers, bit
 // for bit.
+#include "halfspace/quantized.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <memory>
+#include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include "halfspace/reject.h"
 #include "tests/library/support/answers.h"
+#include "tests/library/support/calls.h"
+#include "tests/library/support/cases.h"
 #include "tests/library/support/environment.h"
+#include "tests/library/support/expect_invalid.h"
 #include "tests/library/support/quantized_rows.h"
 #include "tests/library/support/sizes.h"
 
@@ -121,6 +133,228 @@ TEST_P(QuantizedTest, Ranges) {
 
 INSTANTIATE_TEST_SUITE_P(, QuantizedTest, ::testing::ValuesIn(QuantizedRows()),
                          QuantizedRowName);
+
+// Every level of an object against every level of a query, in every plane: all
+// 65 536 pairs of one byte, and of two bytes all objects against the queries
+// where a sign or a byte changes.
+//
+// Levels are ranks, so they are known: a map is trained from as many values as
+// it has thresholds, and then there is one level below them, and one for each.
+
+class QuantizedPairsTest : public ::testing::TestWithParam<QuantizedRow> {
+ protected:
+  // The value that has this level in a plane. In a plane of minima the least
+  // level is of what reaches no threshold; in one of maxima the greatest is of
+  // what passes all.
+  static float ValueOf(std::size_t level) {
+    return static_cast<float>(level) - 200.f;
+  }
+
+  // Objects that reject nothing but in plane p, where object i has a value of
+  // level i.
+  std::vector<float> ObjectsOf(std::size_t p) const {
+    std::vector<float> values((most_ + 1) * planes_);
+    for (std::size_t i = 0; i <= most_; ++i) {
+      values[i * planes_ + p] = ValueOf(i);
+    }
+    return values;
+  }
+
+  // Trains from all but the one object that no threshold is for, which is then
+  // put in its place.
+  std::unique_ptr<AnyQuantized> QuantizedOf(
+      std::size_t p, const std::vector<float>& values) const {
+    const std::size_t odd = GetParam().IsMinPlane(p) ? 0 : most_;
+    std::vector<float> trained = values;
+    const auto at =
+        trained.begin() + static_cast<std::ptrdiff_t>(odd * planes_);
+    trained.erase(at, at + static_cast<std::ptrdiff_t>(planes_));
+    auto quantized = GetParam().make(trained);
+    quantized->Push(&values[most_ * planes_]);
+    for (std::size_t i = 0; i <= most_; ++i) {
+      quantized->Set(i, &values[i * planes_]);
+    }
+    return quantized;
+  }
+
+  // Masks alone, for the other outputs are made of them.
+  ::testing::AssertionResult RejectsEverywhere(const Answers& answers,
+                                               const AnyWorld& quantized,
+                                               const AnyQueries& query) {
+    mask_.resize(answers.rejected().size());
+    for (Target target : TargetsUnderTest()) {
+      for (Schedule schedule : kSchedules) {
+        const Options options{.schedule = schedule, .target = target};
+        detail::RejectMask(quantized.Asked(query), mask_, options);
+        Differences compare(options);
+        compare.Find<std::uint64_t>("RejectMask", answers.rejected(), mask_);
+        if (!compare.first()) return compare.first();
+      }
+    }
+    return ::testing::AssertionSuccess();
+  }
+
+  // All of one byte; of two bytes other ones from plane to plane, when not all
+  // are tried.
+  std::vector<std::uint32_t> QueryLevels(std::size_t p) const {
+    std::vector<std::uint32_t> levels;
+    if (most_ == 255) {
+      for (std::uint32_t level = 0; level <= most_; ++level)
+        levels.push_back(level);
+      return levels;
+    }
+    constexpr std::array<std::uint32_t, 16> kEdges = {
+        0,     1,     127,   128,   255,   256,   257,   0x7f00,
+        32766, 32767, 32768, 32769, 65279, 65280, 65534, 65535};
+    for (std::size_t i = 0; i < Scaled(kEdges.size()); ++i) {
+      levels.push_back(kEdges[(5 * p + i) % kEdges.size()]);
+    }
+    return levels;
+  }
+
+  const std::size_t planes_ = GetParam().planes();
+  const std::size_t most_ =
+      (std::size_t{1} << (8 * GetParam().element_bytes)) - 1;
+
+ private:
+  std::vector<std::uint64_t> mask_;
+};
+
+TEST_P(QuantizedPairsTest, AreComparedAsTheirLevelsAre) {
+  for (std::size_t p = 0; p < planes_; ++p) {
+    const bool is_min = GetParam().IsMinPlane(p);
+    const auto quantized = QuantizedOf(p, ObjectsOf(p));
+    std::array<float, 10> query{};
+    for (const std::uint32_t level : QueryLevels(p)) {
+      query[OpposingValue(GetParam().layout, p)] = ValueOf(level);
+      const Answers answers(most_ + 1, [&](std::size_t i) {
+        return is_min ? i > level : i < level;
+      });
+      ASSERT_TRUE(
+          RejectsEverywhere(answers, quantized->quantized(), {query.data(), 1}))
+          << "plane " << p << ", level " << level << " of the query";
+    }
+  }
+}
+
+// What lies between two thresholds has the level that its side of the test
+// gives it: of a minimum that of the threshold below, of a maximum that above.
+TEST_P(QuantizedPairsTest, BetweenThresholdsTheNextOneOutwardCounts) {
+  constexpr std::uint32_t kLevel = 100;
+  const Options options{.target = TargetsUnderTest().front()};
+  for (std::size_t p = 0; p < planes_; ++p) {
+    SCOPED_TRACE(p);
+    const bool is_min = GetParam().IsMinPlane(p);
+    const float outward = is_min ? 0.25f : -0.25f;
+    auto values = ObjectsOf(p);
+    const auto quantized = QuantizedOf(p, values);
+    std::array<float, 10> query{};
+    const auto survivors = [&](float value) {
+      query[OpposingValue(GetParam().layout, p)] = value;
+      const AnyWorld world = quantized->quantized();
+      return detail::CountSurvivors(world.Asked({query.data(), 1}), options);
+    };
+    const float value = ValueOf(kLevel);
+    const std::size_t count = survivors(value);
+    EXPECT_EQ(count, is_min ? kLevel + 1 : most_ + 1 - kLevel);
+    EXPECT_EQ(survivors(value + outward), count);
+    EXPECT_EQ(survivors(value + 3 * outward), count);
+    EXPECT_NE(survivors(value - outward), count);
+    values[kLevel * planes_ + p] = value + 3 * outward;
+    quantized->Set(kLevel, &values[kLevel * planes_]);
+    EXPECT_EQ(survivors(value), count);
+    EXPECT_NE(survivors(value - outward), count);
+  }
+}
+
+// Few numbers among many NaN have a level each.
+TEST_P(QuantizedPairsTest, NanTeachesNothing) {
+  constexpr std::size_t kNumbers = 100;
+  constexpr std::size_t kObjects = 30 * kNumbers;
+  for (std::size_t p = 0; p < planes_; ++p) {
+    const bool is_min = GetParam().IsMinPlane(p);
+    std::vector<float> values(kObjects * planes_);
+    for (std::size_t i = 0; i < kObjects; ++i) {
+      values[i * planes_ + p] = i % 30 == 0
+                                    ? static_cast<float>(i / 30 + 1)
+                                    : std::numeric_limits<float>::quiet_NaN();
+    }
+    const auto quantized = GetParam().make(values);
+    std::array<float, 10> query{};
+    for (std::size_t n = 0; n <= kNumbers + 1; ++n) {
+      query[OpposingValue(GetParam().layout, p)] = static_cast<float>(n);
+      const AnyWorld world = quantized->quantized();
+      const std::size_t rejected = is_min ? kNumbers - std::min(n, kNumbers)
+                                          : n - std::min(n, std::size_t{1});
+      EXPECT_EQ(detail::CountSurvivors(world.Asked({query.data(), 1}), {}),
+                kObjects - rejected)
+          << "plane " << p << ", " << n;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, QuantizedPairsTest,
+                         ::testing::ValuesIn(QuantizedRows()),
+                         QuantizedRowName);
+
+// What calls on quantized bounds refuse: floats that do not refine them, and
+// outputs within either. (Owners refuse in world/owner_test.cc.)
+
+template <typename View, typename Element>
+void ExpectAllRefuse(const QuantizedBounds<View, Element>& quantized,
+                     const View& floats, std::string_view argument,
+                     std::string_view expected, std::string_view given) {
+  const auto query = View::Query::Everything();
+  const AnyWorld refined(Refined(quantized, floats));
+  const auto refuses = [&](std::string_view name, const auto& call) {
+    EXPECT_TRUE(Refuses(call, {"halfspace: ", name, argument, "expected",
+                               expected, "got", given}));
+  };
+  CallOutputs outputs;
+  ForEachCall(refined, {&query, 1}, {}, outputs, refuses);
+  EXPECT_TRUE(outputs.Untouched());
+  ForEachManyCall(refined, {&query, 1}, {}, outputs, refuses);
+  EXPECT_TRUE(outputs.Untouched());
+}
+
+template <typename View, typename Element>
+void CheckRefined() {
+  using Bound = typename View::Bound;
+  const World<View> world(std::vector<Bound>(130, Bound::Everything()));
+  const QuantizedBounds<View, Element> quantized(world);
+  const auto query = View::Query::Everything();
+  for (std::size_t size : {0u, 129u, 131u}) {
+    View floats = world.view();
+    floats.size = size;
+    ExpectAllRefuse(quantized, floats,
+                    "world: ", "as many floats as quantized bounds, 130",
+                    std::to_string(size));
+  }
+  const auto expect_overlap = [&](const auto& any_world, const void* in) {
+    const std::span<std::uint64_t> mask(
+        static_cast<std::uint64_t*>(const_cast<void*>(in)), 3);
+    EXPECT_TRUE(Refuses(
+        [&] { RejectMask(any_world, query, mask); },
+        {"RejectMask: mask: expected", "apart", "overlap with world."}));
+  };
+  for (std::size_t p = 0; p < kPlanes<View>; ++p) {
+    View floats = world.view();
+    expect_overlap(Refined(quantized, floats), PlaneOf(floats, p) + 64);
+    PlaneOf(floats, p) = nullptr;
+    const bool is_min = IsMinPlane<View>(p);
+    ExpectAllRefuse(quantized, floats,
+                    (is_min ? "world.min[" : "world.max[") +
+                        std::to_string(is_min ? p : p - kMinima<View>) + "]: ",
+                    "a plane of 130 floats", "a null pointer");
+  }
+  expect_overlap(quantized, quantized.view().planes[0]);
+}
+
+TEST(QuantizedErrorsTest, FloatsThatDoNotRefineAndOutputsWithin) {
+  CheckRefined<SimplexView3, std::uint8_t>();
+  CheckRefined<AabbView3, std::uint16_t>();
+  CheckRefined<AaboView3, std::uint8_t>();
+}
 
 }  // namespace
 }  // namespace halfspace::testing

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <random>
 #include <span>
@@ -15,7 +16,33 @@
 
 namespace halfspace::testing {
 
-using Random = std::mt19937_64;
+// Where tests draw from: numbers of a seed, or those that a fuzzer chooses. Two
+// bytes choose a number, and all bytes choose the numbers past their end.
+class Random {
+ public:
+  using result_type = std::uint64_t;
+  static constexpr result_type min() { return 0; }
+  static constexpr result_type max() { return ~result_type{0}; }
+
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  explicit Random(std::span<const std::uint8_t> bytes) : bytes_(bytes) {
+    std::uint64_t seed = 0;
+    for (std::uint8_t byte : bytes) seed = (seed ^ byte) * 0x100000001b3u;
+    engine_.seed(seed);
+  }
+
+  result_type operator()() {
+    if (bytes_.size() < 2) return engine_();
+    const result_type chosen = bytes_[0] | bytes_[1] << 8;
+    bytes_ = bytes_.subspan(2);
+    // An odd factor: each remainder of a small divisor can be chosen.
+    return chosen * 0x9e3779b97f4a7c15u;
+  }
+
+ private:
+  std::mt19937_64 engine_;
+  std::span<const std::uint8_t> bytes_;
+};
 
 enum class InputKind {
   kDense,        // almost everything survives
@@ -23,6 +50,7 @@ enum class InputKind {
   kSparse,       // every plane rejects most
   kRuns,         // long runs of rejected objects, then of survivors
   kAdversarial,  // touching, one ulp apart, and special values, also inverted
+  kRegions,      // of 5000 objects, each with its share of survivors
 };
 
 inline constexpr std::array kInputKinds = {InputKind::kDense, InputKind::kMixed,
@@ -30,10 +58,12 @@ inline constexpr std::array kInputKinds = {InputKind::kDense, InputKind::kMixed,
                                            InputKind::kAdversarial};
 
 inline const char* NameOf(InputKind kind) {
-  constexpr std::array kNames = {"dense", "mixed", "sparse", "runs",
-                                 "adversarial"};
+  constexpr std::array kNames = {"dense", "mixed",       "sparse",
+                                 "runs",  "adversarial", "regions"};
   return kNames[static_cast<std::size_t>(kind)];
 }
+
+inline constexpr std::size_t kObjectsOfRegion = 5000;
 
 inline bool OneIn(double n, Random& random) {
   return std::uniform_real_distribution<>(0.0, n)(random) < 1.0;
@@ -68,6 +98,12 @@ class PlaneValueSource {
         return Apart(run_rejects_ != OneIn(200, random), random);
       case InputKind::kAdversarial:
         return Adversarial(random);
+      case InputKind::kRegions: {
+        // How many of the objects a plane rejects.
+        constexpr double kOneIn[] = {1.01, 4, 2, 64, 1.01, 3, 1.01, 2, 4};
+        const std::size_t region = count_++ / kObjectsOfRegion;
+        return Apart(OneIn(kOneIn[region % 9], random), random);
+      }
     }
     return query_;
   }
@@ -101,6 +137,7 @@ class PlaneValueSource {
   InputKind kind_;
   bool is_min_;
   T query_;
+  std::size_t count_ = 0;
   std::size_t run_left_ = 0;
   bool run_rejects_ = false;
 };

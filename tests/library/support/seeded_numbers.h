@@ -30,12 +30,6 @@ class SeededNumbers {
     return static_cast<std::uint32_t>(((Bits() >> 32) * n) >> 32);
   }
 
-  // Any float, or double, at all.
-  template <typename T = float>
-  T Raw() {
-    return std::bit_cast<T>(static_cast<BitsOf<T>>(Bits()));
-  }
-
   template <typename T = float>
   T Special() {
     return kSpecialValues<T>[Below(

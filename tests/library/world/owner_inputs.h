@@ -1,4 +1,5 @@
-// Bounds for the rows of owners.h, and the check that an owner has them.
+// Bounds for the rows of owners.h, the check that an owner has them, and
+// histories of owners.
 #ifndef HALFSPACE_TESTS_LIBRARY_WORLD_OWNER_INPUTS_H_
 #define HALFSPACE_TESTS_LIBRARY_WORLD_OWNER_INPUTS_H_
 
@@ -12,14 +13,19 @@
 #include <vector>
 
 #include "tests/library/support/answers.h"
+#include "tests/library/support/counting_memory.h"
 #include "tests/library/support/environment.h"
+#include "tests/library/support/fp_modes.h"
 #include "tests/library/support/owners.h"
 #include "tests/library/support/quantized_cases.h"
 
 namespace halfspace::testing {
 
-class OwnerTest : public ::testing::TestWithParam<OwnerRow> {
- protected:
+class OwnerInputs {
+ public:
+  OwnerInputs(const OwnerRow& row, const Random& random)
+      : row_(row), random_(random) {}
+
   // Of a random kind, if none is given: anything at all.
   Records RandomBounds(std::size_t count) {
     return RandomBounds(
@@ -63,10 +69,83 @@ class OwnerTest : public ::testing::TestWithParam<OwnerRow> {
     }
   }
 
-  const OwnerRow row_ = GetParam();
-  Random random_{3};
+  // Random operations, each in the floating-point mode. After each, the owner
+  // holds what a list of its bounds does.
+  void FollowModel(std::size_t steps, FpMode mode = FpMode::kDefault) {
+    CountingMemory memory;
+    auto owner = row_.make(nullptr, 0, memory.resource());
+    Records model;
+    for (std::size_t step = 0; step < steps; ++step) {
+      const std::uint64_t operation = random_() % 100;
+      SCOPED_TRACE(::testing::Message()
+                   << row_ << ", step " << step << ", operation " << operation);
+      RunIn(mode, [&] { Change(operation, *owner, model); });
+      ExpectHolds(*owner, model);
+      if (::testing::Test::HasFatalFailure()) return;
+    }
+  }
+
+ protected:
+  const OwnerRow row_;
+  Random random_;
 
  private:
+  void Change(std::uint64_t operation, AnyOwner& owner, Records& model) {
+    const Record bound = RandomBound();
+    const std::size_t at = model.empty() ? 0 : random_() % model.size();
+    if (operation < 55 || model.empty()) {
+      ASSERT_EQ(owner.Push(bound), model.size());
+      model.push_back(bound);
+    } else if (operation < 65) {
+      owner.Set(at, bound);
+      model[at] = bound;
+    } else if (operation < 84) {
+      owner.EraseBySwap(at);
+      model[at] = model.back();
+      model.pop_back();
+    } else if (operation < 86) {
+      const std::size_t before = owner.capacity();
+      const std::size_t wanted = random_() % 400;
+      owner.Reserve(wanted);
+      ASSERT_GE(owner.capacity(), before);
+      ASSERT_TRUE(row_.IsQuantized() || owner.capacity() >= wanted);
+    } else if (operation < 88) {
+      const std::size_t capacity = owner.capacity();
+      owner.Clear();
+      model.clear();
+      ASSERT_EQ(owner.capacity(), capacity);
+    } else if (operation < 90) {
+      owner.Requantize(*row_.MakeFloats(model));
+      ASSERT_TRUE(owner.Fits());
+    } else if (operation < 93) {
+      model = RandomBounds(random_() % 300);
+      owner.Assign(row_.List(model).data(), model.size());
+      ASSERT_TRUE(owner.Fits());
+    } else if (operation < 96) {
+      // Copies are apart.
+      auto copy = owner.Copy();
+      copy->Set(at, bound);
+      copy->EraseBySwap(0);
+      ExpectHolds(owner, model);
+      copy->AssignCopy(owner);
+      owner.Clear();
+      ExpectHolds(*copy, model);
+      owner.AssignCopy(*copy);
+    } else if (operation < 98) {
+      owner.AssignCopy(owner);
+      ExpectHolds(owner, model);
+      owner.AssignMove(owner);
+    } else {
+      // What was moved from is empty and usable.
+      auto taken = owner.Move();
+      ExpectHolds(owner, {});
+      owner.Push(bound);
+      ExpectHolds(owner, {bound});
+      owner.AssignMove(*taken);
+      ExpectHolds(*taken, {});
+    }
+  }
+
   // Alignment, values and padding.
   template <typename T>
   void ExpectPlanes(const AnyOwner& owner, const Records& model) {
@@ -108,11 +187,18 @@ class OwnerTest : public ::testing::TestWithParam<OwnerRow> {
       const AnyQueries asked(query.data(), 1);
       ASSERT_TRUE(QuantizedAnswersEverywhere(
           owner.quantized(), owner.Refined(*floats),
-          Answers::OfReference(floats->seen(), asked), asked, target_));
+          Answers::OfReference(floats->seen(), asked), asked,
+          {&targets_[random_() % targets_.size()], 1}));
     }
   }
 
-  const std::vector<Target> target_ = {TargetsUnderTest().front()};
+  const std::vector<Target> targets_ = TargetsUnderTest();
+};
+
+class OwnerTest : public ::testing::TestWithParam<OwnerRow>,
+                  public OwnerInputs {
+ protected:
+  OwnerTest() : OwnerInputs(GetParam(), Random(3)) {}
 };
 
 }  // namespace halfspace::testing

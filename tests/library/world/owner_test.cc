@@ -12,7 +12,6 @@
 
 #include "halfspace/quantized.h"
 #include "halfspace/reject.h"
-#include "tests/library/support/counting_memory.h"
 #include "tests/library/support/expect_invalid.h"
 #include "tests/library/support/sanitized.h"
 #include "tests/library/world/owner_inputs.h"
@@ -20,71 +19,7 @@
 namespace halfspace::testing {
 namespace {
 
-TEST_P(OwnerTest, RandomOperationsFollowTheModel) {
-  CountingMemory memory;
-  auto owner = row_.make(nullptr, 0, memory.resource());
-  Records model;
-  for (std::size_t step = 0; step < Scaled(2500); ++step) {
-    const std::uint64_t operation = random_() % 100;
-    const Record bound = RandomBound();
-    const std::size_t at = model.empty() ? 0 : random_() % model.size();
-    SCOPED_TRACE(::testing::Message()
-                 << "step " << step << ", operation " << operation);
-    if (operation < 55 || model.empty()) {
-      ASSERT_EQ(owner->Push(bound), model.size());
-      model.push_back(bound);
-    } else if (operation < 65) {
-      owner->Set(at, bound);
-      model[at] = bound;
-    } else if (operation < 84) {
-      owner->EraseBySwap(at);
-      model[at] = model.back();
-      model.pop_back();
-    } else if (operation < 86) {
-      const std::size_t before = owner->capacity();
-      const std::size_t wanted = random_() % 400;
-      owner->Reserve(wanted);
-      ASSERT_GE(owner->capacity(), before);
-      ASSERT_TRUE(row_.IsQuantized() || owner->capacity() >= wanted);
-    } else if (operation < 88) {
-      const std::size_t capacity = owner->capacity();
-      owner->Clear();
-      model.clear();
-      ASSERT_EQ(owner->capacity(), capacity);
-    } else if (operation < 90) {
-      owner->Requantize(*row_.MakeFloats(model));
-      ASSERT_TRUE(owner->Fits());
-    } else if (operation < 93) {
-      model = RandomBounds(random_() % 300);
-      owner->Assign(row_.List(model).data(), model.size());
-      ASSERT_TRUE(owner->Fits());
-    } else if (operation < 96) {
-      // Copies are apart.
-      auto copy = owner->Copy();
-      copy->Set(at, bound);
-      copy->EraseBySwap(0);
-      ExpectHolds(*owner, model);
-      copy->AssignCopy(*owner);
-      owner->Clear();
-      ExpectHolds(*copy, model);
-      owner->AssignCopy(*copy);
-    } else if (operation < 98) {
-      owner->AssignCopy(*owner);
-      ExpectHolds(*owner, model);
-      owner->AssignMove(*owner);
-    } else {
-      // What was moved from is empty and usable.
-      auto taken = owner->Move();
-      ExpectHolds(*owner, {});
-      owner->Push(bound);
-      ExpectHolds(*owner, {bound});
-      owner->AssignMove(*taken);
-      ExpectHolds(*taken, {});
-    }
-    ExpectHolds(*owner, model);
-    if (HasFatalFailure()) return;
-  }
-}
+TEST_P(OwnerTest, RandomOperationsFollowTheModel) { FollowModel(Scaled(2500)); }
 
 TEST_P(OwnerTest, IndexPastTheEndIsRefused) {
   const Records model = RandomBounds(130);

@@ -1,13 +1,18 @@
-// Threads that share one call's work write the same output, each its range.
+// Threads that share one call's work, and that make errors.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <thread>
 #include <vector>
 
+#include "halfspace/error.h"
 #include "halfspace/reject_many.h"
+#include "halfspace/world.h"
 #include "tests/library/support/answers.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/flat_cases.h"
@@ -15,6 +20,8 @@
 
 namespace halfspace::testing {
 namespace {
+
+// Threads that share one call's work write the same output, each its range.
 
 // The masks are those of one call for the whole world.
 void ExpectTheyFillTheSameMasks(const AnyWorld& world,
@@ -76,6 +83,51 @@ TEST(RangeThreadsTest, TwoThreadsFillTheSameMasksOfQuantizedBounds) {
     const QuantizedQueries queries(row, values, kQueries, random);
     ExpectTheyFillTheSameMasks(all->world(), queries.Some(0, kQueries));
   }
+}
+
+// Handlers are exchanged while other threads make calls that are wrong: each is
+// told to the handler there is, by the thread that made the call.
+
+struct Told {
+  int by;
+  std::string message;
+};
+thread_local std::size_t told_here = 0;
+
+template <int kNumber>
+[[noreturn]] void Tell(const Error& error) {
+  ++told_here;
+  throw Told{kNumber, error.what()};
+}
+
+TEST(ErrorThreadsTest, EachThreadIsToldOfItsOwn) {
+  const std::size_t calls = Scaled(1000);
+  std::array<std::size_t, 4> right{};
+  std::atomic<std::size_t> running = right.size();
+  SetErrorHandler(&Tell<0>);
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < right.size(); ++t) {
+    threads.emplace_back([&, t] {
+      const AabbWorld3 world;
+      const std::string end = "got " + std::to_string(t);
+      for (std::size_t i = 0; i < calls; ++i) {
+        try {
+          world.Get(t);
+        } catch (const Told& told) {
+          right[t] +=
+              told.message.ends_with(end) && told.by <= 1 && told_here == i + 1;
+        }
+      }
+      --running;
+    });
+  }
+  while (running != 0) {
+    EXPECT_EQ(SetErrorHandler(&Tell<1>), &Tell<0>);
+    EXPECT_EQ(SetErrorHandler(&Tell<0>), &Tell<1>);
+  }
+  for (std::thread& thread : threads) thread.join();
+  SetErrorHandler(nullptr);
+  for (std::size_t count : right) EXPECT_EQ(count, calls);
 }
 
 }  // namespace

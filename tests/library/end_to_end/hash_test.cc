@@ -1,0 +1,387 @@
+// Constants that stand for many answers: the same on every target, compiler and
+// machine. The other tests compare what runs here with what runs here; only
+// constants compare with machines that are elsewhere.
+//
+// hashes.txt has them, a name and a hash in each line. If answers are meant to
+// change, run hash_test with HALFSPACE_UPDATE_HASHES=1 after all other tests
+// passed. It writes the new hashes, and those of new names.
+// HALFSPACE_TEST_SCALE does not count.
+//
+// Flat scans, on machines that run no other test of them, are compared with the
+// oracle.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <ios>
+#include <map>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "halfspace/halfspace.h"
+#include "tests/library/bvh/spread.h"
+#include "tests/library/fit/builders.h"
+#include "tests/library/fit_many/bulk.h"
+#include "tests/library/support/answers.h"
+#include "tests/library/support/cases.h"
+#include "tests/library/support/environment.h"
+#include "tests/library/support/flat_cases.h"
+#include "tests/library/support/quantized_rows.h"
+#include "tests/library/support/seeded_numbers.h"
+
+namespace halfspace::testing {
+namespace {
+
+// One number that stands for many: FNV-1a, 64 bits, over bytes whose order is
+// that of the values and not of the machine's memory.
+class FnvHash {
+ public:
+  void Add(std::uint64_t value) {
+    for (int byte = 0; byte < 8; ++byte) {
+      hash_ ^= (value >> (8 * byte)) & 0xff;
+      hash_ *= 0x100000001b3u;
+    }
+  }
+
+  // Both zeros count as one: they compare alike, and which of them a sum or a
+  // minimum gives is nobody's promise.
+  void AddFloat(float value) {
+    const auto bits = std::bit_cast<std::uint32_t>(value);
+    Add(bits == 0x80000000u ? 0 : bits);
+  }
+
+  template <typename Range>
+  void AddAll(const Range& values) {
+    for (const auto value : values) Add(value);
+  }
+
+  template <typename Range>
+  void AddAllFloats(const Range& values) {
+    for (const float value : values) AddFloat(value);
+  }
+
+  std::uint64_t value() const { return hash_; }
+
+ private:
+  std::uint64_t hash_ = 0xcbf29ce484222325u;
+};
+
+::testing::AssertionResult IsKnown(const std::string& name,
+                                   std::uint64_t hash) {
+  static std::map<std::string, std::uint64_t> known = [] {
+    std::map<std::string, std::uint64_t> read;
+    std::ifstream file(HALFSPACE_TEST_HASHES);
+    std::string its_name;
+    std::uint64_t its_hash;
+    while (file >> its_name >> std::hex >> its_hash) read[its_name] = its_hash;
+    return read;
+  }();
+  const auto it = known.find(name);
+  if (it != known.end() && it->second == hash) {
+    return ::testing::AssertionSuccess();
+  }
+  if (std::getenv("HALFSPACE_UPDATE_HASHES") != nullptr) {
+    known[name] = hash;
+    std::ofstream file(HALFSPACE_TEST_HASHES);
+    for (const auto& [its_name, its_hash] : known) {
+      file << its_name << ' ' << std::hex << its_hash << '\n';
+    }
+    return ::testing::AssertionSuccess();
+  }
+  return ::testing::AssertionFailure()
+         << "the hash of " << name << " is " << std::hex << hash;
+}
+
+// Scans on machines that run no other test of them: flat ones against the
+// oracle, and one constant for the answers of each kind of quantized bounds.
+
+constexpr std::size_t kQueries = 32;
+
+class FlatScanTargetsTest : public ::testing::TestWithParam<FlatCase> {};
+
+TEST_P(FlatScanTargetsTest, AnswersAreThoseOfTheOracle) {
+  // A tile of a staged scan, then words, then a tail.
+  constexpr std::size_t kObjects = 4096 + 3 * 64 + 37;
+  const std::vector<Target> targets = TargetsUnderTest();
+  Random random(1);
+  for (InputKind kind : {InputKind::kMixed, InputKind::kAdversarial}) {
+    const FlatInput input(GetParam(), kind, kObjects, random);
+    const FlatQueries queries(GetParam(), input, kQueries, random);
+    const AnyWorld world = input.WorldAt(0, kObjects, 1);
+    for (std::size_t count : {std::size_t{1}, kQueries}) {
+      const AnyQueries some = queries.Some(0, count);
+      const Answers answers = Answers::OfReference(world, some);
+      EXPECT_GT(answers.survivors().size(), 0u);
+      EXPECT_TRUE(AnswersEverywhere(answers, world, some, targets))
+          << NameOf(kind) << ", " << count << " queries";
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, FlatScanTargetsTest,
+                         ::testing::ValuesIn(AllFlatCases()), FlatCaseName);
+
+class QuantizedHashTest : public ::testing::TestWithParam<QuantizedRow> {};
+
+// Of quantized bounds that are not refined. These are not the answers of the
+// floats, but the map is integer arithmetic on the bits of floats.
+TEST_P(QuantizedHashTest, IsTheSameEverywhere) {
+  // More than a map is trained from, for one byte.
+  constexpr std::size_t kObjects = (1 << 16) + 3 * 64 + 37;
+  const std::size_t planes = GetParam().planes();
+  SeededNumbers numbers(GetParam().layout.dims);
+  std::vector<float> values(kObjects * planes);
+  for (float& value : values) value = numbers.Coordinate();
+  // Values of the objects, of which most survive.
+  std::vector<float> queries(kQueries * planes);
+  for (std::size_t q = 0; q < kQueries; ++q) {
+    for (std::size_t p = 0; p < planes; ++p) {
+      const float value = values[numbers.Below(kObjects) * planes + p];
+      const float loose = GetParam().IsMinPlane(p) ? 64.f : -64.f;
+      queries[q * planes + OpposingValue(GetParam().layout, p)] =
+          numbers.Below(3) == 0 ? value : loose;
+    }
+  }
+  const auto all = GetParam().make(values);
+  const AnyQueries asked(queries.data(), kQueries);
+  const Answers exact = Answers::OfReference(all->floats(), asked);
+  for (Target target : TargetsUnderTest()) {
+    const Answers found = Answers::OfCall(all->quantized(), asked, target);
+    EXPECT_GT(found.survivors().size(), exact.survivors().size());
+    EXPECT_GT(exact.survivors().size(), kObjects);
+    EXPECT_LT(found.survivors().size(), kObjects * kQueries);
+    FnvHash hash;
+    hash.AddAll(found.survived());
+    EXPECT_TRUE(IsKnown(GetParam().name, hash.value())) << target.name();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, QuantizedHashTest,
+                         ::testing::ValuesIn(QuantizedRows()),
+                         QuantizedRowName);
+
+// One constant per builder that stands for its bounds of many seeded shapes.
+
+class BoundHashTest : public ::testing::TestWithParam<Builder> {};
+
+TEST_P(BoundHashTest, IsTheSameEverywhere) {
+  constexpr int kBounds = 1000;
+  const Builder& builder = GetParam();
+  SeededNumbers numbers(11);
+  FnvHash hash;
+  int unbounded = 0;
+  for (int i = 0; i < kBounds; ++i) {
+    const Planes planes = builder.Build(SeededShape(builder, numbers));
+    unbounded += planes == builder.Everything();
+    for (float plane : planes) ASSERT_FALSE(std::isnan(plane)) << i;
+    hash.AddAllFloats(planes);
+  }
+  EXPECT_LT(unbounded, kBounds / 2);
+  EXPECT_TRUE(IsKnown(builder.name, hash.value()));
+}
+
+INSTANTIATE_TEST_SUITE_P(, BoundHashTest,
+                         ::testing::ValuesIn(BuildersAndChanges()),
+                         BuilderNames());
+
+// One constant per builder of many bounds that stands for its bounds of many
+// seeded shapes, in every layout.
+
+constexpr std::size_t kShapes = 5 * 64 + 37;
+
+// Some boxes are inverted, some spheres have no radius.
+BulkShapes SeededShapes(const Bulk& bulk) {
+  SeededNumbers numbers(bulk.dims);
+  BulkShapes shapes(kShapes);
+  for (auto& shape : shapes) {
+    const Builder& single = bulk.single();
+    const Shape seeded = SeededShape(single, numbers);
+    for (std::size_t i = 0; i < single.roles.size(); ++i) {
+      shape.push_back(single.Number(seeded, i));
+    }
+    const std::uint32_t kind = numbers.Below(32);
+    if (bulk.kind == Kind::kPoints) shape.resize(kind % 4 * bulk.dims);
+    if (kind == 0 && !bulk.IsOfPoints()) std::swap(shape[0], shape.back());
+  }
+  return shapes;
+}
+
+TEST(BulkHashTest, IsTheSameEverywhere) {
+  for (const Bulk& bulk : Bulks()) {
+    BulkSource source(bulk, SeededShapes(bulk));
+    for (const FitOptions& way : {FitOptions{}, FitOptions{.tightest = true},
+                                  FitOptions{.inverted = Inverted::kEmpty}}) {
+      for (BulkLayout layout : kBulkLayouts) {
+        Arena arena;
+        source.Place(arena, layout);
+        const BulkOutput built(bulk, kShapes, arena);
+        for (Target target : TargetsUnderTest()) {
+          FitOptions options = way;
+          options.target = target;
+          FitStatus status;
+          source.Bound(built.output(), options, &status);
+          FnvHash hash;
+          for (std::size_t i = 0; i < kShapes; ++i) {
+            hash.AddAllFloats(built.Get(i));
+          }
+          hash.Add(status.results);
+          hash.Add(status.everything);
+          hash.Add(status.first_everything);
+          EXPECT_LT(status.everything, status.results / 4);
+          EXPECT_TRUE(IsKnown(
+              bulk.name + (way.tightest ? "Tightest" : "") +
+                  (way.inverted == Inverted::kEmpty ? "InvertedAreEmpty" : ""),
+              hash.value()))
+              << target.name() << ", layout " << static_cast<int>(layout);
+        }
+      }
+    }
+  }
+}
+
+// One seeded history per bound type, and two constants for all its answers: the
+// same on every target, compiler and machine. The order of ids is that of
+// libstdc++. Changes run on the target of the process.
+//
+// The second is of the answers as they came, and changes with the tree's
+// arrangement.
+
+template <int... kDims>
+using BodiesOf =
+    ::testing::Types<Whole<AabbView<kDims>>..., Whole<AaboView<kDims>>...>;
+using BroadPhaseCases =
+    std::conditional_t<kTestsOnly3d, BodiesOf<3>, BodiesOf<2, 3>>;
+template <typename Case>
+class BroadPhaseHashTest : public ::testing::Test {};
+TYPED_TEST_SUITE(BroadPhaseHashTest, BroadPhaseCases, CaseNames);
+
+template <typename Case>
+void ExpectKnownAnswers(Target target) {
+  using View = typename Case::View;
+  using Bound = typename View::Bound;
+  constexpr int kDims = Bound::kDimensions;
+  constexpr std::size_t kBodies = 6000;  // with three levels of nodes
+  FnvHash sorted;
+  FnvHash order;
+  // Of one call: hashes of its answers.
+  std::vector<std::uint64_t> answers;
+  const auto add = [&](Span<const std::uint32_t> ids) {
+    answers.insert(answers.end(), ids.begin(), ids.end());
+  };
+  const auto add_hit = [&](std::uint32_t id, float t, const Bound& bound) {
+    FnvHash hash;
+    hash.Add(id);
+    hash.AddFloat(t);
+    hash.AddAllFloats(bound.min);
+    hash.AddAllFloats(bound.max);
+    answers.push_back(hash.value());
+  };
+  const auto add_pairs = [&](Span<const IdPair> pairs) {
+    for (const IdPair& pair : pairs) {
+      const auto [a, b] = std::minmax(pair.a, pair.b);
+      answers.push_back(std::uint64_t{a} << 32 | b);
+    }
+  };
+  const auto end_call = [&] {
+    order.AddAll(answers);
+    std::sort(answers.begin(), answers.end());
+    sorted.AddAll(answers);
+    sorted.Add(answers.size());
+    answers.clear();
+  };
+  Spread<View> spread(1.0f, 5);
+  Random random(6);
+  BroadPhase<View> bodies;
+  Ids ids;
+  std::vector<Bound> bounds;
+  for (std::uint32_t id = 0; id < kBodies; ++id) {
+    ids.push_back(3 * id);
+    bounds.push_back(spread.NextObject());
+  }
+  bodies.Insert(ids, bounds);
+  for (std::size_t step = 0; step < 40; ++step) {
+    Ids some;
+    std::vector<Bound> moved;
+    for (std::size_t i = 0; i < (step % 5 == 0 ? 4000 : 500); ++i) {
+      const std::size_t body = random() % kBodies;
+      if (!bodies.Has(ids[body])) continue;
+      const float way = static_cast<float>(random() % 64) / 64;
+      for (std::size_t k = 0; k < Bound::kAxes; ++k) {
+        bounds[body].min[k] += way;
+        bounds[body].max[k] += way;
+      }
+      if (random() % 16 == 0) bounds[body] = spread.NextObject();
+      some.push_back(ids[body]);
+      moved.push_back(bounds[body]);
+    }
+    bodies.Move(some, moved);
+    if (step % 4 == 0) {
+      bodies.Erase(some);
+    } else if (step % 4 == 1) {
+      for (std::size_t body = 0; body < kBodies; ++body) {
+        if (!bodies.Has(ids[body])) bodies.Insert(ids[body], bounds[body]);
+      }
+    }
+    if (step % 3 == 0) bodies.Update();
+    if (step == 20) bodies.Rebuild();
+    Spread<View> queries(4.0f * static_cast<float>(step % 3), step);
+    ForEachSurvivor(bodies, queries.NextQuery(), add, {.target = target});
+    // The walk of one bound has another order in plain code (bvh.h).
+    std::sort(answers.begin(), answers.end());
+    end_call();
+    Sphere<kDims> sphere{};
+    sphere.radius = static_cast<float>(step);
+    ForEachSurvivor(bodies, sphere, add, {.target = target});
+    end_call();
+    Ray<kDims> ray{};
+    ray.direction.fill(1);
+    ray.direction[0] = static_cast<float>(step) - 12;
+    ray.max_t = 40;
+    RayCast(bodies, ray, add_hit, {.target = target});
+    end_call();
+    Aabb<kDims> box{};
+    box.max.fill(1);
+    BoxCast(bodies, box, ray.direction, 40, add_hit, {.target = target});
+    end_call();
+    SphereCast(bodies, Sphere<kDims>{{}, 2}, ray.direction, 40, add_hit,
+               {.target = target});
+    end_call();
+    if (step % 4 != 0) {
+      some.resize(200);
+      PairOptions options;
+      options.margin = 0.5f;
+      options.target = target;
+      ForEachPairOf(bodies, some, add_pairs, options);
+      end_call();
+    }
+    bodies.UpdatePairs();
+    add_pairs(bodies.began());
+    add_pairs(bodies.ended());
+    sorted.AddAll(answers);  // they come sorted
+    answers.clear();
+  }
+  ASSERT_GT(bodies.pairs().size(), 100u);
+  ASSERT_TRUE(bodies.Validate());
+  const std::string name = "BroadPhase" + NameOf(Case());
+  EXPECT_TRUE(IsKnown(name, sorted.value()));
+#if defined(__GLIBCXX__)
+  // How std::nth_element arranges elements is up to the standard library.
+  EXPECT_TRUE(IsKnown(name + "Order", order.value()));
+#endif
+}
+
+TYPED_TEST(BroadPhaseHashTest, AnswersAreTheSameEverywhere) {
+  for (Target target : TargetsUnderTest()) {
+    SCOPED_TRACE(target.name());
+    ExpectKnownAnswers<TypeParam>(target);
+  }
+}
+
+}  // namespace
+}  // namespace halfspace::testing
