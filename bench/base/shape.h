@@ -62,14 +62,14 @@ Query SeenAs(const Aabo3& query) {
 }
 
 // Calls f(view, query) with the shape's own view of the octahedra.
-template <typename F>
-auto WithShape(ShapeKind shape, const AaboView3& view, const Aabo3& query,
-               F&& f) {
+template <int kDims, typename F>
+auto WithShape(ShapeKind shape, const AaboView<kDims>& view,
+               const Aabo<kDims>& query, F&& f) {
   switch (shape) {
     case ShapeKind::kAabb:
-      return f(view.aabb(), SeenAs<Aabb3>(query));
+      return f(view.aabb(), query.aabb());
     case ShapeKind::kSimplex:
-      return f(view.simplex(), SeenAs<DownSimplex3>(query));
+      return f(view.simplex(), query.down());
     case ShapeKind::kAabo:
       break;
   }
@@ -153,8 +153,8 @@ class ShapeQueries {
 };
 
 // Adds the survivors of one query.
-template <typename T>
-void AddSurvivors(const AaboView3& view, const Aabo3& query,
+template <int kDims, typename T>
+void AddSurvivors(const AaboView<kDims>& view, const Aabo<kDims>& query,
                   PerShape<T>& sums) {
   for (ShapeKind shape : kShapes) {
     sums.Of(shape) += static_cast<T>(

@@ -82,48 +82,45 @@ void AddDimension(Run& run, std::size_t bytes, Table& table) {
   const Target target = run.best();
   std::vector<std::uint64_t> mask(MaskWords(view.size));
   Contest ns(run, "volumes");
-  const auto add = [&](const char* name, Schedule schedule, auto objects,
-                       auto query_of) {
-    const auto scan = [&, objects, query_of, schedule](std::size_t q) {
-      RejectMask(objects, query_of(scene.queries[q]), mask,
-                 {.schedule = schedule, .target = target});
+  const auto add = [&](ShapeKind shape, const char* schedule, Schedule how) {
+    const auto scan = [&, shape, how](std::size_t q) {
+      WithShape(shape, view, scene.queries[q],
+                [&](const auto& objects, const auto& query) {
+                  RejectMask(objects, query, mask,
+                             {.schedule = how, .target = target});
+                });
     };
     Case c = CaseOfQueries(scene.queries.size(), view.size, scan);
     c.items *= static_cast<double>(view.size);
-    c.check = [&, objects, query_of, scan]() -> std::string {
+    c.check = [&, shape, scan]() -> std::string {
       std::vector<std::uint64_t> expected(mask.size());
       for (std::size_t q = 0; q < kCheckedQueries; ++q) {
-        reference::RejectMask(objects, query_of(scene.queries[q]),
-                              expected.data());
+        WithShape(shape, view, scene.queries[q],
+                  [&](const auto& objects, const auto& query) {
+                    reference::RejectMask(objects, query, expected.data());
+                  });
         scan(q);
         if (mask != expected) return "the mask is not the scalar reference's";
       }
       return {};
     };
-    ns.Add({std::size_t{kDims}, name}, std::move(c));
+    ns.Add({std::size_t{kDims}, NameOf(shape), schedule}, std::move(c));
   };
-  const auto box = [](const Aabo<kDims>& query) { return query.aabb(); };
-  const auto all = [](const Aabo<kDims>& query) { return query; };
-  add("simplex/flat", Schedule::kFlat, view.simplex(),
-      [](const Aabo<kDims>& query) { return query.down(); });
-  add("aabb/flat", Schedule::kFlat, view.aabb(), box);
-  add("aabb/staged", Schedule::kStaged, view.aabb(), box);
-  add("aabo/flat", Schedule::kFlat, view, all);
-  add("aabo/staged", Schedule::kStaged, view, all);
+  add(ShapeKind::kSimplex, "flat", Schedule::kFlat);
+  for (ShapeKind shape : {ShapeKind::kAabb, ShapeKind::kAabo}) {
+    add(shape, "flat", Schedule::kFlat);
+    add(shape, "staged", Schedule::kStaged);
+  }
   ns.Time();
   const auto ns_of = [&ns](std::size_t i) { return ns.timing(i).Median(); };
-  double boxes = 0.0;
-  double simplices = 0.0;
+  PerShape<double> survivors;
   for (std::size_t q = 0;
        q < std::min(scene.queries.size(), kCountedPairs / view.size); ++q) {
-    const Aabo<kDims>& query = scene.queries[q];
-    boxes += static_cast<double>(CountSurvivors(view.aabb(), query.aabb()));
-    simplices +=
-        static_cast<double>(CountSurvivors(view.simplex(), query.down()));
+    AddSurvivors(view, scene.queries[q], survivors);
   }
   table.Add({std::size_t{kDims}, NameOf(target), ns_of(0), ns_of(1),
              std::min(ns_of(1), ns_of(2)), std::min(ns_of(3), ns_of(4)),
-             simplices / boxes});
+             survivors.simplex / survivors.aabb});
 }
 
 Table DimensionsTable(Run& run) {

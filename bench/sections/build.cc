@@ -206,137 +206,118 @@ void AddBuilds(Run& run, Source source, const std::string& set, Table& table) {
   });
 }
 
-constexpr std::size_t kPointsOfSingle = 64;
-constexpr std::size_t kPiecesOfSingle = 16;
-
-// What a shape is made of.
-struct Single {
-  const Point3& a;  // the first of kPointsOfSingle
-  const Point3& b;
-  const Point3& c;
-  float length;
-  const Aabo3& bound;
-  const Aabo3& other;
-
-  Affine3 Map() const { return {{b, c, a}, c}; }
-
+// Each builder of fit.h and transform.h in 3 dimensions, over random shapes.
+void AddSingles(Run& run, Table& table) {
+  constexpr std::size_t kPoints = 64;
+  constexpr std::size_t kPieces = 16;
+  // So many shapes: with 256 in turn most calls take half as long, because a
+  // branch predictor learns them.
+  Random random(11);
+  std::vector<Point3> a(kTimedQueries + kPoints);
+  std::vector<Point3> b(kTimedQueries);
+  std::vector<Point3> c(kTimedQueries);
+  for (std::vector<Point3>* points : {&a, &b, &c}) {
+    for (Point3& p : *points) {
+      for (float& x : p) x = 50.0f * random.Signed();
+    }
+  }
+  std::vector<float> length(kTimedQueries);
+  std::vector<Aabo3> bound(kTimedQueries);
+  for (std::size_t i = 0; i < kTimedQueries; ++i) {
+    length[i] = 1.25f + 0.75f * random.Signed();
+    bound[i] = BoundSegment(Segment3{a[i], b[i]});
+  }
+  const auto map_of = [&](std::size_t i) -> Affine3 {
+    return {{b[i], c[i], a[i]}, c[i]};
+  };
   // Around a, closed: a cube whose faces lean by a little.
-  std::array<HalfSpace3, 6> Planes() const {
+  const auto planes_of = [&](std::size_t i) {
     std::array<HalfSpace3, 6> planes{};
     for (std::size_t f = 0; f < planes.size(); ++f) {
       Point3 normal{};
-      for (std::size_t k = 0; k < 3; ++k) normal[k] = 0.002f * b[k];
+      for (std::size_t k = 0; k < 3; ++k) normal[k] = 0.002f * b[i][k];
       normal[f / 2] += f % 2 == 0 ? 1.0f : -1.0f;
-      float offset = length;
-      for (std::size_t k = 0; k < 3; ++k) offset -= normal[k] * a[k];
+      float offset = length[i];
+      for (std::size_t k = 0; k < 3; ++k) offset -= normal[k] * a[i][k];
       planes[f] = {normal, offset};
     }
     return planes;
-  }
-};
+  };
 
-// Random numbers for so many shapes: with 256 in turn most calls take half as
-// long, because a branch predictor learns them.
-class Singles {
- public:
-  Singles() {
-    Random random(11);
-    for (std::vector<Point3>* points : {&a_, &b_, &c_}) {
-      for (Point3& p : *points) {
-        for (float& x : p) x = 50.0f * random.Signed();
-      }
-    }
-    for (std::size_t i = 0; i < kTimedQueries; ++i) {
-      length_[i] = 1.25f + 0.75f * random.Signed();
-      bound_[i] = BoundSegment(Segment3{a_[i], b_[i]});
-    }
-  }
-
-  Single operator[](std::size_t i) const {
-    return {a_[i],      b_[i],     c_[i],
-            length_[i], bound_[i], bound_[kTimedQueries - 1 - i]};
-  }
-
- private:
-  std::vector<Point3> a_{kTimedQueries + kPointsOfSingle};
-  std::vector<Point3> b_{kTimedQueries};
-  std::vector<Point3> c_{kTimedQueries};
-  std::vector<float> length_ = std::vector<float>(kTimedQueries);
-  std::vector<Aabo3> bound_{kTimedQueries};
-};
-
-// Each builder of fit.h and transform.h in 3 dimensions, over random shapes.
-void AddSingles(Run& run, Table& table) {
-  const Singles singles;
   Contest contest(run, "single");
+  // build(i) bounds shape i.
   const auto add = [&](const char* name, auto build, std::size_t items = 1) {
     constexpr std::size_t kCallsOfRun = 256;
-    Case c;
-    c.items = static_cast<double>(kCallsOfRun * items);
-    c.check = [&singles, build]() -> std::string {
+    Case call;
+    call.items = static_cast<double>(kCallsOfRun * items);
+    call.check = [build]() -> std::string {
       for (std::size_t i = 0; i < kCallsOfRun; ++i) {
-        using Bound = decltype(build(singles[i]));
-        if (build(singles[i]) == Bound::Everything()) {
+        using Bound = decltype(build(i));
+        if (build(i) == Bound::Everything()) {
           return "shape " + std::to_string(i) + " was not bounded";
         }
       }
       return {};
     };
-    c.run = [&singles, build, next = std::size_t{0}]() mutable {
+    call.run = [build, next = std::size_t{0}]() mutable {
       // The bits of a minimum, so that no call is left out.
       std::uint32_t digest = 0;
       for (std::size_t i = 0; i < kCallsOfRun; ++i) {
-        digest ^= std::bit_cast<std::uint32_t>(build(singles[next]).min.back());
+        digest ^= std::bit_cast<std::uint32_t>(build(next).min.back());
         next = next + 1 == kTimedQueries ? 0 : next + 1;
       }
       KeepResult(digest);
     };
-    contest.Add({name}, std::move(c));
+    contest.Add({name}, std::move(call));
   };
-  using S = const Single&;
-  add("BoundPoint", [](S s) { return BoundPoint<3>(s.a); });
+  using I = std::size_t;
+  add("BoundPoint", [&](I i) { return BoundPoint<3>(a[i]); });
   add(
       "BoundPoints, a point",
-      [](S s) {
-        return BoundPoints(Points3{s.a.data(), kPointsOfSingle});
+      [&](I i) {
+        return BoundPoints(Points3{a[i].data(), kPoints});
       },
-      kPointsOfSingle);
-  add("BoundSegment", [](S s) { return BoundSegment(Segment3{s.a, s.b}); });
-  add("BoundTriangle", [](S s) {
-    return BoundTriangle(Triangle3{s.a, s.b, s.c});
+      kPoints);
+  add("BoundSegment", [&](I i) { return BoundSegment(Segment3{a[i], b[i]}); });
+  add("BoundTriangle", [&](I i) {
+    return BoundTriangle(Triangle3{a[i], b[i], c[i]});
   });
-  add("BoundAabb", [](S s) { return BoundAabb(s.bound.aabb()); });
-  add("BoundOrientedBox", [](S s) {
-    return BoundOrientedBox(
-        OrientedBox3{s.a, {s.b, s.c, s.a}, {s.length, s.length, s.length}});
+  add("BoundAabb", [&](I i) { return BoundAabb(bound[i].aabb()); });
+  add("BoundOrientedBox", [&](I i) {
+    return BoundOrientedBox(OrientedBox3{
+        a[i], {b[i], c[i], a[i]}, {length[i], length[i], length[i]}});
   });
-  add("BoundSphere", [](S s) { return BoundSphere(Sphere3{s.a, s.length}); });
-  add("BoundCapsule", [](S s) {
-    return BoundCapsule(Capsule3{s.a, s.b, s.length});
+  add("BoundSphere", [&](I i) {
+    return BoundSphere(Sphere3{a[i], length[i]});
   });
-  add("BoundRay", [](S s) { return BoundRay(Ray3{s.a, s.b, s.length}); });
+  add("BoundCapsule", [&](I i) {
+    return BoundCapsule(Capsule3{a[i], b[i], length[i]});
+  });
+  add("BoundRay", [&](I i) { return BoundRay(Ray3{a[i], b[i], length[i]}); });
   add(
       "BoundSegmentPieces, a piece",
-      [](S s) {
-        std::array<Aabo3, kPiecesOfSingle> pieces;
-        BoundSegmentPieces<3>({s.a, s.b}, pieces);
+      [&](I i) {
+        std::array<Aabo3, kPieces> pieces;
+        BoundSegmentPieces<3>({a[i], b[i]}, pieces);
         return pieces.back();
       },
-      kPiecesOfSingle);
-  add("BoundFrustum", [](S s) { return BoundFrustum(s.Planes()); });
-  add("BoundTransformed, a point", [](S s) {
-    return BoundTransformed(Points3{s.a.data(), 1}, s.Map());
+      kPieces);
+  add("BoundFrustum", [&](I i) { return BoundFrustum(planes_of(i)); });
+  add("BoundTransformed, a point", [&](I i) {
+    return BoundTransformed(Points3{a[i].data(), 1}, map_of(i));
   });
   add("BoundTransformed, a box",
-      [](S s) { return BoundTransformed(s.bound.aabb(), s.Map()); });
-  add("Merge", [](S s) { return Merge(s.bound, s.other); });
-  add("Inflate", [](S s) { return Inflate(s.bound, s.length); });
-  add("InflateByBox", [](S s) { return InflateByBox(s.bound, s.length); });
-  add("Translate", [](S s) { return Translate(s.bound, s.c); });
-  add("TranslateVertices", [](S s) { return TranslateVertices(s.bound, s.c); });
-  add("Scale", [](S s) { return Scale(s.bound, s.length); });
-  add("Sweep", [](S s) { return Sweep(s.bound, s.c); });
-  add("Circumscribe", [](S s) { return Circumscribe(s.bound.down()); });
+      [&](I i) { return BoundTransformed(bound[i].aabb(), map_of(i)); });
+  add("Merge",
+      [&](I i) { return Merge(bound[i], bound[kTimedQueries - 1 - i]); });
+  add("Inflate", [&](I i) { return Inflate(bound[i], length[i]); });
+  add("InflateByBox", [&](I i) { return InflateByBox(bound[i], length[i]); });
+  add("Translate", [&](I i) { return Translate(bound[i], c[i]); });
+  add("TranslateVertices",
+      [&](I i) { return TranslateVertices(bound[i], c[i]); });
+  add("Scale", [&](I i) { return Scale(bound[i], length[i]); });
+  add("Sweep", [&](I i) { return Sweep(bound[i], c[i]); });
+  add("Circumscribe", [&](I i) { return Circumscribe(bound[i].down()); });
   contest.Time(ShareOf(run.effort));
   contest.AddTo(table, [&](std::size_t i) -> Row {
     return {SpreadOf(contest.timing(i))};

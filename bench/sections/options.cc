@@ -2,12 +2,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <sstream>
-#include <system_error>
 
 #include "bench/base/text.h"
 #include "bench/sections/run.h"
@@ -18,9 +15,11 @@ namespace halfspace::bench {
 namespace {
 
 // A scene of more would take 32 GiB.
-constexpr std::size_t kMostOfScene = std::size_t{1} << 30;
-constexpr std::size_t kMostQueries = std::size_t{1} << 20;
-constexpr std::size_t kMostRepetitions = 1000;
+constexpr double kMostOfScene = 0x1p30;
+constexpr double kMostQueries = 0x1p20;
+constexpr double kMostRepetitions = 1000;
+// Further up, not every whole number is a double.
+constexpr double kMostSeed = 0x1p53 - 1;
 
 std::vector<std::string> SupportedTargetNames() {
   std::vector<std::string> names;
@@ -28,30 +27,16 @@ std::vector<std::string> SupportedTargetNames() {
   return names;
 }
 
-// Decimal: 010 is ten, and 0x10 nothing. 1e6 is a whole number, too.
-std::optional<std::uint64_t> ParseWhole(std::string_view text) {
-  const char* const end = text.data() + text.size();
-  std::uint64_t whole = 0;
-  const auto [stop, error] = std::from_chars(text.data(), end, whole);
-  if (error == std::errc() && stop == end) return whole;
-  const double value = ParseNumber<double>(text).value_or(-1);
-  // Further up, not every whole number is a double.
-  const bool is_exact =
-      value >= 0 && value < 0x1p53 && value == std::floor(value);
-  if (!is_exact) return std::nullopt;
-  return static_cast<std::uint64_t>(value);
-}
-
-// Leaves plain digits for CLI11, which would read others as octal.
-CLI::Validator Whole(std::uint64_t least, std::uint64_t most) {
-  const std::string range =
-      std::to_string(least) + " to " + std::to_string(most);
+// Decimal: 010 is ten, and 0x10 nothing. 1e6 is a whole number, too. Leaves
+// plain digits for CLI11, which would read others as octal.
+CLI::Validator Whole(double least, double most) {
+  const std::string range = Fixed(least, 0) + " to " + Fixed(most, 0);
   const auto check = [=](std::string& text) -> std::string {
-    const std::optional<std::uint64_t> number = ParseWhole(text);
-    if (!number || *number < least || *number > most) {
+    const double value = ParseNumber<double>(text).value_or(-1.0);
+    if (!(value >= least && value <= most && value == std::floor(value))) {
       return "\"" + text + "\" is not a whole number from " + range;
     }
-    text = std::to_string(*number);
+    text = Fixed(value, 0);
     return {};
   };
   return CLI::Validator(check, range);
@@ -175,7 +160,7 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
       ->type_name("N");
   app.add_option("--seed", options.seed,
                  "Seed of the scene and of --query-size (default 1)")
-      ->transform(Whole(0, std::numeric_limits<std::uint64_t>::max()))
+      ->transform(Whole(0, kMostSeed))
       ->type_name("N");
   app.add_option("--target", options.target, "Measure this target only")
       ->check(CLI::IsMember(SupportedTargetNames()).description(""))

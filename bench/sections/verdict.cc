@@ -131,21 +131,23 @@ Table TableOf(const Verdict& verdict, std::string name, std::string title,
   return table;
 }
 
-// What the marks and the ranges of so many cells promise.
+// What the marks mean, and what the ranges of so many cells promise.
 std::string PromiseText(const Verdict& verdict, std::size_t cells) {
-  const std::size_t groups = verdict.groups();
-  const double pages =
-      1.0 / (FalseWinnerChance(groups) * static_cast<double>(cells));
-  return "*: the simplex is faster. =: no difference. [ ]: range of " +
-         std::to_string(groups) + " groups" +
-         (LeftOutOf(groups) == 0 ? "" : " without the least and the greatest") +
-         ". It covers the median of another run in " +
-         Fixed(100.0 * (1.0 - MissedMedianChance(groups)), 0) +
-         " % of the cases. If nothing differed, one of " +
-         Grouped(static_cast<std::size_t>(std::max(1.0, pages))) +
-         " reports of " + std::to_string(cells) +
-         " ratios would name a winner. Timed with " +
-         Grouped(verdict.queries()) + " different queries.";
+  std::string text =
+      "*: the simplex is faster. =: no difference. [ ]: range of the groups";
+  if (verdict.groups() == kGroups) {
+    const double pages =
+        1.0 / (kFalseWinnerChance * static_cast<double>(cells));
+    text += ", " + std::to_string(kGroups) +
+            " without the least and the greatest. It covers the median of "
+            "another run in 99 % of the cases. If nothing differed, one of " +
+            Grouped(static_cast<std::size_t>(pages)) + " reports of " +
+            std::to_string(cells) + " ratios would name a winner";
+  } else {
+    text += ", which are too few to trust a winner: leave out --repetitions";
+  }
+  return text + ". Timed with " + Grouped(verdict.queries()) +
+         " different queries.";
 }
 
 Table TimesTable(const Verdict& verdict) {

@@ -120,7 +120,7 @@ RUNS = [
     # A file has one world.
     ("--details verdict --quick --repetitions 1 --bounds {0}/boxes.csv", 0,
      {"stdout": r"\nThe box scan takes so many times [^\n]*:\n  (.*\n)+ +file +(.*\n)+"
-                r"  The file has 2 objects(.*\n)+.*with 2 different queries"}),
+                r"  The file has 2 objects(.*\n)+.*with\s+2\s+different\s+queries"}),
     ("--details kernels --objects 4096 --out {0}/out", 124,
      {"before": ["timeout", "1"], "out": KEPT}),
 ]

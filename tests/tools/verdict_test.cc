@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "bench/measure/groups.h"
+#include "bench/worlds/random.h"
 
 namespace halfspace::bench {
 namespace {
@@ -88,15 +89,26 @@ TEST(GroupsTest, RangesKeepTheirPromise) {
     EXPECT_EQ(range.low, row.expected.low);
     EXPECT_EQ(range.high, row.expected.high);
   }
-  // Five groups without one left out, as computed by hand: 2 of 32 signs, and
-  // 10 of 120 places of the three least of ten.
-  EXPECT_DOUBLE_EQ(FalseWinnerChance(5), 2.0 / 32.0);
-  EXPECT_DOUBLE_EQ(MissedMedianChance(5), 2.0 * 10.0 / 120.0);
-  EXPECT_DOUBLE_EQ(FalseWinnerChance(kGroups), 2.0 * 18.0 / 131072.0);
-  EXPECT_LT(MissedMedianChance(kGroups), 0.05);
   // The tables of `--details verdict`: 7 sizes, 5 columns, with and without
   // exact tests.
-  EXPECT_LT(2 * 7 * 5 * FalseWinnerChance(kGroups), 0.05);
+  EXPECT_LT(2 * 7 * 5 * kFalseWinnerChance, 0.05);
+  Random random(1);
+  const auto run = [&random] {
+    std::vector<double> groups(kGroups);
+    for (double& group : groups) group = random.Signed();
+    return GroupRange(groups);
+  };
+  constexpr int kRuns = 10'000;
+  int covered = 0;
+  int excluded = 0;
+  for (int i = 0; i < kRuns; ++i) {
+    const Ratio range = run();
+    const double median = run().median;
+    covered += range.low <= median && median <= range.high ? 1 : 0;
+    excluded += range.low > 0.0 || range.high < 0.0 ? 1 : 0;
+  }
+  EXPECT_NEAR(covered / double{kRuns}, 0.99, 0.005);
+  EXPECT_NEAR(excluded / double{kRuns}, kFalseWinnerChance, 0.0005);
 }
 
 // A ratio of straight lines between logarithms, as its points say.
