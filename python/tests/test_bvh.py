@@ -34,7 +34,9 @@ KINDS = {
 
 # More than 4095 queries are joined with a tree.
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("n, queried", [(0, 9), (1, 9), (64, 9), (65, 9), (2000, 1500), (2000, 5000)])
+@pytest.mark.parametrize(
+    "n, queried", [(0, 9), (1, 9), (64, 9), (65, 9), (2000, 1500), (2000, 5000)]
+)
 def test_query(rng, dims, kind, n, queried):
     boxes, queries = random_boxes(rng, n, dims), random_boxes(rng, queried, dims, 0.03)
     empty, everything = [np.inf] * dims + [-np.inf] * dims, [-np.inf] * dims + [np.inf] * dims
@@ -181,17 +183,6 @@ def test_nearest_of_few():
     assert ids.tolist() == [[-1, -1]]
 
 
-def test_nearest_exclusive(rng, dims):
-    points = rng.random((300, dims))
-    points[7:207:2] = points[7]
-    tree = hs.BVH(np.concatenate([points, points], axis=1))
-    ids, distances = tree.nearest(points, k=4, exclusive=True)
-    exact = np.sqrt(((points[:, None] - points[None]) ** 2).sum(axis=2))
-    exact[exact == 0] = np.inf
-    assert np.allclose(distances, np.sort(exact, axis=1)[:, :4], 1e-5, 1e-6)
-    assert np.allclose(distances, np.take_along_axis(exact, ids, 1), 1e-5, 1e-6)
-
-
 def far_and_huge(dims):
     """Boxes on a grid, many of them equal, and empty, infinite and huge ones."""
     corners = np.random.default_rng(5).integers(0, 6, (2000, dims)).astype(float)
@@ -225,6 +216,12 @@ def test_all_ties(rng, dims, kind, k, exclusive):
         assert (as_matrix(np.stack([rows, ids]), expected.shape) == expected).all()
         assert (distances == np.float32(exact[rows, ids])).all()
         assert (np.diff(rows) >= 0).all() and len(ids) > 1000
+        near, far = tree.nearest(given, k, max_distance=2, exclusive=exclusive)
+        assert (far == np.float32(np.sort(exact, axis=1)[:, :k])).all()
+        its_rows, rank = np.nonzero(near >= 0)
+        assert len(rank) == np.isfinite(far).sum()
+        its = near[its_rows, rank]
+        assert (np.float32(exact[its_rows, its]) == far[its_rows, rank]).all()
         one, of_one = tree.nearest(
             given[3], k, max_distance=2, all_ties=True, exclusive=exclusive
         )
