@@ -68,8 +68,8 @@ Tables BranchTables(Run& run) {
         SceneOfSize(percent / 100.0, size.objects, run.options.seed);
     WorkingSet set(scene, size);
     for (Target target : run.TargetsIn(set.name())) {
-      if (target.lanes() < 4) continue;
       const StagedScan staged = PaperLoopsFor(target).staged;
+      if (target.lanes() < 4 || staged == nullptr) continue;
       Contest ns(run, "gate");
       for (ShapeKind shape : kCompared) {
         for (const auto& each : kWays) {

@@ -21,7 +21,7 @@ template <>
 PaperLoops PaperLoopsOf<HWY_TARGET>() {
   return {.gated = &HWY_NAMESPACE::ScanGated,
           .spheres = &HWY_NAMESPACE::ScanSpheres,
-          .staged = &HWY_NAMESPACE::ScanStaged};
+          .staged = HWY_HAVE_SCALABLE ? nullptr : &HWY_NAMESPACE::ScanStaged};
 }
 
 }  // namespace halfspace::bench

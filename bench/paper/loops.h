@@ -87,7 +87,7 @@ using SphereScan = void (*)(const float* const* planes, const float* query,
 struct PaperLoops {
   GatedScan gated = nullptr;
   SphereScan spheres = nullptr;
-  StagedScan staged = nullptr;
+  StagedScan staged = nullptr;  // and where vectors have no known length
 };
 
 // Of a supported target.
