@@ -101,6 +101,15 @@ function makeRoom(count) {
   [results, room] = [block, size];
 }
 
+// The results of call(), which writes those for which there is room.
+function resultsOf(call, values = 1) {
+  for (;;) {
+    const total = values * resultOf(call());
+    if (total <= room) return idsAt(results, total);
+    makeRoom(total);
+  }
+}
+
 // The numbers of calls of one query, and what a call writes.
 const oneValues = allocate(8 * 8);
 const oneResult = allocate(8 * 4);
@@ -144,14 +153,16 @@ function rowsOf(name, data, values) {
 function boxesOf(name, data, dimensions) {
   const boxes = rowsOf(name, data, 2 * dimensions);
   for (let i = 0; i < boxes.length; i += 2 * dimensions) {
-    for (let k = i; k < i + dimensions; ++k) {
-      if (!(boxes[k] <= boxes[k + dimensions])) {
-        fail(`${name}[${k}]`, `expected a minimum that is not above the maximum, ` +
-          `got ${boxes[k]} and ${boxes[k + dimensions]}`);
-      }
-    }
+    for (let k = i; k < i + dimensions; ++k) checkBox(name, boxes, k, dimensions);
   }
   return boxes;
+}
+
+function checkBox(name, boxes, k, dimensions) {
+  if (!(boxes[k] <= boxes[k + dimensions])) {
+    fail(`${name}[${k}]`, 'expected a minimum that is not above the maximum, ' +
+      `got ${boxes[k]} and ${boxes[k + dimensions]}`);
+  }
 }
 
 function numbersOf(name, data, values) {
@@ -188,6 +199,27 @@ function countOf(name, value) {
 function distanceOf(name, value) {
   if (!(value >= 0)) fail(name, `expected a number that is not negative, got ${value}`);
   return value;
+}
+
+// The numbers of one row. Not numbersOf(), which takes as long as the search for 8 boxes.
+function rowOf(name, row, count) {
+  if (row?.length !== count) fail(name, `expected ${count} numbers`);
+  const numbers = [];
+  for (let i = 0; i < count; ++i) {
+    const value = row[i];
+    if (typeof value !== 'number' || value !== value) {
+      fail(`${name}[${i}]`, `expected a number, got ${shown(value)}`);
+    }
+    numbers.push(value);
+  }
+  return numbers;
+}
+
+// Writes the numbers of a call of one query. After all are read, since a getter can call the
+// module.
+function write(numbers) {
+  look();
+  for (let i = 0; i < numbers.length; ++i) f64[oneValues / 8 + i] = numbers[i];
 }
 
 // Copies an array to the module, and returns its address.
@@ -260,6 +292,15 @@ export class BVH {
     return this.#bvh;
   }
 
+  // Calls run(allocate, count, ...) with what functions of the module need of boxes.
+  #withBoxes(boxes, run) {
+    const bvh = this.#open();
+    const array = boxesOf('boxes', boxes, this.#dimensions);
+    const count = array.length / (2 * this.#dimensions);
+    return withMemory((allocate) => run(allocate, count, bvh, this.#dimensions,
+      isDouble(array), copyIn(allocate, array), count));
+  }
+
   get dimensions() { return this.#dimensions; }
   get size() { return resultOf(wasm.hs_bvh_size(this.#open(), oneResult)); }
   get idLimit() { return resultOf(wasm.hs_bvh_id_limit(this.#open(), oneResult)); }
@@ -278,66 +319,29 @@ export class BVH {
   query(box) {
     const bvh = this.#open();
     const dimensions = this.#dimensions;
-    if (box?.length !== 2 * dimensions) {
-      fail('box', `expected ${2 * dimensions} numbers: all minima, then all maxima`);
-    }
-    look();
-    const to = oneValues / 8;
-    for (let k = 0; k < dimensions; ++k) {
-      const min = box[k];
-      const max = box[dimensions + k];
-      if (typeof min !== 'number' || typeof max !== 'number' || !(min <= max)) {
-        fail(`box[${k}]`, 'expected a minimum that is not above the maximum, ' +
-          `got ${shown(min)} and ${shown(max)}`);
-      }
-      f64[to + k] = min;
-      f64[to + dimensions + k] = max;
-    }
-    for (;;) {
-      const total = resultOf(wasm.bvh_query(bvh, dimensions, 1, oneValues, 1, results, room, 0,
-        oneResult));
-      if (total <= room) return idsAt(results, total);
-      makeRoom(total);
-    }
+    const numbers = rowOf('box', box, 2 * dimensions);
+    for (let k = 0; k < dimensions; ++k) checkBox('box', numbers, k, dimensions);
+    write(numbers);
+    return resultsOf(() =>
+      wasm.bvh_query(bvh, dimensions, 1, oneValues, 1, results, room, 0, oneResult));
   }
 
   queryMany(boxes) {
-    const bvh = this.#open();
-    const dimensions = this.#dimensions;
-    const array = boxesOf('boxes', boxes, dimensions);
-    const count = array.length / (2 * dimensions);
-    return withMemory((allocate) => {
-      const from = copyIn(allocate, array);
+    return this.#withBoxes(boxes, (allocate, count, ...rows) => {
       const offsets = allocate(4 * (count + 1));
-      for (;;) {
-        const total = resultOf(wasm.bvh_query(bvh, dimensions, isDouble(array), from, count,
-          results, room, offsets, oneResult));
-        if (total <= room) return { ids: idsAt(results, total), offsets: idsAt(offsets, count + 1) };
-        makeRoom(total);
-      }
+      const ids = resultsOf(() =>
+        wasm.bvh_query(...rows, results, room, offsets, oneResult));
+      return { ids, offsets: idsAt(offsets, count + 1) };
     });
   }
 
   nearest(point, k = 1, maxDistance = Infinity) {
     const bvh = this.#open();
     const dimensions = this.#dimensions;
-    if (point?.length !== dimensions) fail('point', `expected ${dimensions} numbers`);
-    // Not numbersOf(), which takes as long as the search for 8 boxes. All are read before
-    // one is written, since a getter can call the module.
-    const [x, y, z] = [0, 1, dimensions - 1].map((i) => {
-      const value = point[i];
-      if (typeof value !== 'number' || value !== value) {
-        fail(`point[${i}]`, `expected a number, got ${shown(value)}`);
-      }
-      return value;
-    });
+    const numbers = rowOf('point', point, dimensions);
     const most = Math.min(countOf('k', k), this.size);
     makeRoom(2 * most);
-    look();
-    const to = oneValues / 8;
-    f64[to] = x;
-    f64[to + 1] = y;
-    f64[to + dimensions - 1] = z;
+    write(numbers);
     check(wasm.bvh_nearest(bvh, dimensions, 1, oneValues, 1, most,
       distanceOf('maxDistance', maxDistance), results, results + 4 * most));
     let found = most;
@@ -362,10 +366,8 @@ export class BVH {
 
   raycast(origin, direction, maxT = Infinity) {
     const dimensions = this.#dimensions;
-    if (origin?.length !== dimensions) fail('origin', `expected ${dimensions} numbers`);
-    if (direction?.length !== dimensions) fail('direction', `expected ${dimensions} numbers`);
-    const ray = [...numbersOf('origin', origin, dimensions),
-      ...numbersOf('direction', direction, dimensions), distanceOf('maxT', maxT)];
+    const ray = [...rowOf('origin', origin, dimensions),
+      ...rowOf('direction', direction, dimensions), distanceOf('maxT', maxT)];
     const { ids, ts } = this.raycastMany(Float32Array.from(ray));
     return ids[0] === NO_ID ? null : { id: ids[0], t: ts[0] };
   }
@@ -397,33 +399,21 @@ export class BVH {
   #pairs(other, margin) {
     const bvh = this.#open();
     if (distanceOf('margin', margin) === Infinity) fail('margin', 'expected a finite number');
-    for (;;) {
-      const total = resultOf(wasm.bvh_pairs(bvh, other, margin, results, Math.floor(room / 2),
-        oneResult));
-      if (2 * total <= room) return idsAt(results, 2 * total);
-      makeRoom(2 * total);
-    }
+    return resultsOf(() =>
+      wasm.bvh_pairs(bvh, other, margin, results, Math.floor(room / 2), oneResult), 2);
   }
 
   insert(boxes) {
-    const bvh = this.#open();
-    const array = boxesOf('boxes', boxes, this.#dimensions);
-    const count = array.length / (2 * this.#dimensions);
-    return withMemory((allocate) => {
-      const from = copyIn(allocate, array);
+    return this.#withBoxes(boxes, (allocate, count, ...rows) => {
       const ids = allocate(4 * count);
-      check(wasm.bvh_insert(bvh, this.#dimensions, isDouble(array), from, count, ids));
+      check(wasm.bvh_insert(...rows, ids));
       return idsAt(ids, count);
     });
   }
 
   set(ids, boxes) {
-    const bvh = this.#open();
-    const array = boxesOf('boxes', boxes, this.#dimensions);
-    const count = array.length / (2 * this.#dimensions);
-    const list = idsOf(ids, count);
-    withMemory((allocate) => check(wasm.bvh_set(bvh, this.#dimensions, isDouble(array),
-      copyIn(allocate, array), count, copyIn(allocate, list))));
+    this.#withBoxes(boxes, (allocate, count, ...rows) =>
+      check(wasm.bvh_set(...rows, copyIn(allocate, idsOf(ids, count)))));
   }
 
   erase(ids) {
