@@ -49,8 +49,8 @@ std::string NameOf(Target target) {
   return std::string(name);
 }
 
-std::string Mebibytes(std::size_t bytes) {
-  constexpr std::size_t kMebibyte = std::size_t{1} << 20;
+std::string Mebibytes(std::uintmax_t bytes) {
+  constexpr std::uintmax_t kMebibyte = std::uintmax_t{1} << 20;
   return std::to_string(bytes / kMebibyte + (bytes % kMebibyte != 0)) + " MiB";
 }
 

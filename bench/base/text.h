@@ -4,6 +4,7 @@
 
 #include <cctype>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <optional>
 #include <string>
@@ -52,7 +53,7 @@ std::optional<Number> ParseNumber(std::string_view text) {
 }
 
 // "12 MiB", rounded up.
-std::string Mebibytes(std::size_t bytes);
+std::string Mebibytes(std::uintmax_t bytes);
 
 }  // namespace halfspace::bench
 
