@@ -21,15 +21,32 @@ double QuantileOf(std::vector<double> values, double quantile) {
   return values[below] * (1.0 - part) + values[above] * part;
 }
 
+// What the clock can measure. Browsers' clocks have steps of 0.1 ms, or of 1
+// ms, of which ten would take a minute too long.
+double LeastSeconds() {
+  static const double least = [] {
+    double step = 1.0;
+    for (int i = 0; i < 4; ++i) {  // the first ends at a step
+      double taken = 0.0;
+      const auto start = std::chrono::steady_clock::now();
+      while (taken == 0.0) {
+        taken = std::chrono::duration<double>(std::chrono::steady_clock::now() -
+                                              start)
+                    .count();
+      }
+      if (i > 0) step = std::min(step, taken);
+    }
+    return std::min(10.0 * step, 0.001 + 1.5 * step);
+  }();
+  return least;
+}
+
 // Fixed in advance, so that the time of the whole run can be estimated. The
 // first call is cold. A few calls more are timed together, because one of them
 // may take less than a step of the clock.
 std::size_t IterationsFor(const Case& c, const Effort& effort) {
-  double seconds = effort.seconds_per_repetition;
-#if defined(__EMSCRIPTEN__)
-  // The clocks of browsers have steps of 0.1 ms to 1 ms.
-  seconds = std::max(seconds, 0.002);
-#endif
+  const double seconds =
+      std::max(effort.seconds_per_repetition, LeastSeconds());
   std::size_t least = 1;
   if (effort.is_complete) {
     least = (c.runs_of_all + effort.repetitions - 1) / effort.repetitions;

@@ -26,11 +26,13 @@ void CompareCallsOfOne(const Answers& answers, const AnyWorld& world,
                        const AnyQueries& query, const Options& options,
                        const Outputs& outputs, Differences& compare) {
   const auto asked = [&] { return world.Asked(query); };
+#if !defined(__EMSCRIPTEN__)  // where doubles have no kernels but plain code
   const Target target =
       options.target == Target() ? ChosenTarget() : options.target;
   if (const Target ran = TargetThatRuns(world, query, options); ran != target) {
     compare.Add("CountSurvivors", "ran on " + std::string(ran.name()));
   }
+#endif
   detail::RejectMask(asked(), Unwritten(outputs.words), options);
   compare.Find<std::uint64_t>("RejectMask", answers.rejected(), outputs.words);
   detail::SurvivorMask(asked(), outputs.words, options);
