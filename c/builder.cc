@@ -1,4 +1,5 @@
 // hs_builder_...(): objects in batches, in memory or in a file.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -30,17 +31,16 @@ struct hs_builder {
   hs_builder(const BvhConfig& its_config, const Call& call,
              const char* its_path)
       : hs_builder(its_config) {
-    path = its_path;
-    file.emplace(call, its_path);
+    path = halfspace::c::AbsolutePath(call, its_path);
+    file.emplace(call, its_path, NewFile::kTemporary);
   }
 
   const BvhConfig config;
   const Values objects;
   std::size_t count = 0;
   halfspace::c::FloatVector rows;
-  // The rows are in this file if there is one. To map it is no change.
-  mutable std::optional<NewFile> file;
-  std::string path;
+  std::optional<NewFile> file;  // has the rows if there is one
+  std::string path;             // absolute
 };
 
 namespace halfspace::c {
@@ -48,31 +48,39 @@ namespace {
 
 constexpr std::size_t kDefaultMemory = std::size_t{1} << 28;
 
-// Blocks of more than `limit` bytes are new files next to a path.
+// Blocks for which `limit` bytes of memory have no room are new files next to a
+// path.
 class FileMemory {
  public:
   FileMemory(const Call& call, const char* path, const MemoryResource& memory,
              std::size_t limit)
-      : call_(call), path_(path), memory_(memory), limit_(limit) {}
+      : call_(call), path_(path), memory_(memory), left_(limit) {}
 
   MemoryResource resource() { return {&Allocate, &Deallocate, this}; }
 
   // Replaces the path by the file of a block, if it has one. The block cannot
   // be read afterwards.
   bool Publish(const void* block) {
-    for (NewFile& file : files_) {
-      if (file.mapped() != block) continue;
-      file.Publish(call_);
-      return true;
-    }
-    return false;
+    const auto file = Find(block);
+    if (file == files_.end()) return false;
+    file->Publish(call_);
+    return true;
   }
 
  private:
+  std::list<NewFile>::iterator Find(const void* block) {
+    return std::find_if(
+        files_.begin(), files_.end(),
+        [block](const NewFile& file) { return file.mapped() == block; });
+  }
   static void* Allocate(void* context, std::size_t bytes, std::size_t) {
     auto& own = *static_cast<FileMemory*>(context);
-    if (bytes <= own.limit_) return detail::AllocateBlock(own.memory_, bytes);
-    own.files_.emplace_back(own.call_, own.path_);
+    if (bytes <= own.left_) {
+      void* const block = detail::AllocateBlock(own.memory_, bytes);
+      own.left_ -= bytes;
+      return block;
+    }
+    own.files_.emplace_back(own.call_, own.path_, NewFile::kToPublish);
     try {
       return own.files_.back().Map(own.call_, bytes);
     } catch (...) {
@@ -83,17 +91,18 @@ class FileMemory {
   static void Deallocate(void* context, void* block, std::size_t bytes,
                          std::size_t) {
     auto& own = *static_cast<FileMemory*>(context);
-    if (bytes <= own.limit_) {
-      return detail::FreeBlock(own.memory_, block, bytes);
+    if (const auto file = own.Find(block); file != own.files_.end()) {
+      own.files_.erase(file);
+    } else {
+      detail::FreeBlock(own.memory_, block, bytes);
+      own.left_ += bytes;
     }
-    own.files_.remove_if(
-        [block](const NewFile& file) { return file.mapped() == block; });
   }
 
   Call call_;
   const char* path_;
   MemoryResource memory_;
-  std::size_t limit_;
+  std::size_t left_;
   std::list<NewFile> files_;
 };
 
@@ -116,17 +125,22 @@ void PushToFile(const Call& call, const hs_columns& objects,
   }
 }
 
-struct UnmapAtEnd {
-  ~UnmapAtEnd() { file.Unmap(); }
-  NewFile& file;
+struct Rows {
+  ~Rows() {
+    if (!bytes.empty()) Unmap(bytes);
+  }
+  Span<const std::byte> bytes;
 };
 
 void BuildFile(const Call& call, const hs_builder& builder) {
-  const UnmapAtEnd rows{*builder.file};
   const std::uint64_t bytes =
       std::uint64_t{builder.count} * builder.objects.count * sizeof(float);
   if (bytes > PTRDIFF_MAX) throw std::bad_alloc();
-  if (bytes != 0) rows.file.Map(call, static_cast<std::size_t>(bytes));
+  Rows rows;
+  if (bytes != 0) {
+    rows.bytes =
+        builder.file->MapWritten(call, static_cast<std::size_t>(bytes));
+  }
   BvhConfig config = builder.config;
   const char* const path = builder.path.c_str();
   FileMemory memory(call, path, config.options.memory,
@@ -134,7 +148,7 @@ void BuildFile(const Call& call, const hs_builder& builder) {
   config.options.memory = memory.resource();
   const NewBvh bvh = BuildBvh(
       call, config,
-      detail::ColumnsOfRows(reinterpret_cast<const float*>(rows.file.mapped()),
+      detail::ColumnsOfRows(reinterpret_cast<const float*>(rows.bytes.data()),
                             builder.count, builder.objects.count));
   if (!memory.Publish(bvh->tree.Blob().data())) {
     SaveBvh(call, path, config.layout, bvh->tree);
@@ -207,6 +221,7 @@ hs_status hs_builder_finish(const hs_builder* builder, hs_bvh** bvh) {
 }
 
 void hs_builder_destroy(hs_builder* builder) {
+  const NoCancel no_cancel;
   if (builder == nullptr) return;
   halfspace::c::Delete(builder->config.options.memory, builder);
 }

@@ -57,7 +57,7 @@ NewBvh MapBvh(const Call& call, const char* path, const BvhConfig& config) {
 // that was lost.
 void SaveBvh(const Call& call, const char* path, const PlaneLayout& layout,
              const detail::BvhTree& tree) {
-  NewFile file(call, path);
+  NewFile file(call, path, NewFile::kToPublish);
   const Span<const std::byte> blob = tree.Blob();
   if (blob.empty()) {
     detail::BvhTree empty(TypeOf(layout), tree.memory());

@@ -47,43 +47,47 @@ std::filesystem::path PathOf([[maybe_unused]] const Call& call,
 #endif
 }
 
-// Opens a file that does not exist yet.
-std::FILE* OpenNew(const std::filesystem::path& path) {
+// Opens a file that does not exist yet. Programs that this one starts do not
+// have it.
+std::FILE* OpenNew(const std::filesystem::path& path,
+                   [[maybe_unused]] NewFile::Life life) {
 #if defined(_WIN32)
-  // Not every C library of Windows knows the mode "x".
-  const int file =
-      _wopen(path.c_str(), _O_CREAT | _O_EXCL | _O_RDWR | _O_BINARY,
-             _S_IREAD | _S_IWRITE);
+  const int flags = _O_CREAT | _O_EXCL | _O_RDWR | _O_BINARY | _O_NOINHERIT |
+                    (life == NewFile::kTemporary ? _O_TEMPORARY : 0);
+  const int file = _wopen(path.c_str(), flags, _S_IREAD | _S_IWRITE);
   if (file < 0) return nullptr;
   std::FILE* const stream = _fdopen(file, "w+b");
+#else
+  const int file =
+      open(path.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, 0666);
+  if (file < 0) return nullptr;
+  if (life == NewFile::kTemporary) unlink(path.c_str());
+  std::FILE* const stream = fdopen(file, "w+b");
+#endif
   if (stream == nullptr) {
     const int error = errno;
+#if defined(_WIN32)
     _close(file);
-    _wremove(path.c_str());
+#else
+    close(file);
+#endif
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
     errno = error;
   }
   return stream;
-#else
-  return std::fopen(path.c_str(), "w+bx");
-#endif
 }
 
-// Creates a file next to `path`, with a name that no other file has. The name
-// is short, as the longest name of a file can be 255 bytes.
-std::FILE* CreateNextTo(const std::filesystem::path& path,
-                        std::filesystem::path& name) {
+// The end of the name of a new file. It is short, as the longest name of a file
+// can be 255 bytes.
+std::array<char, 16> NewSuffix() {
   static std::atomic<std::uint32_t> calls{0};
-  for (int attempt = 0;; ++attempt) {
-    const auto now = static_cast<std::uint32_t>(
-        std::chrono::steady_clock::now().time_since_epoch().count());
-    std::array<char, 16> suffix;
-    std::snprintf(suffix.data(), suffix.size(), ".%08x.tmp",
-                  static_cast<unsigned>(now + calls.fetch_add(1) * 0x9E3779B9));
-    name = path;
-    name += suffix.data();
-    std::FILE* const file = OpenNew(name);
-    if (file != nullptr || errno != EEXIST || attempt == 100) return file;
-  }
+  const auto now = static_cast<std::uint32_t>(
+      std::chrono::steady_clock::now().time_since_epoch().count());
+  std::array<char, 16> suffix;
+  std::snprintf(suffix.data(), suffix.size(), ".%08x.tmp",
+                static_cast<unsigned>(now + calls.fetch_add(1) * 0x9E3779B9));
+  return suffix;
 }
 
 // A rename would replace a device or a FIFO, too. /dev/stdout is a link to one.
@@ -125,22 +129,26 @@ struct CloseHandleOf {
 };
 using Handle = std::unique_ptr<void, CloseHandleOf>;
 
-// Maps a file, whose size becomes at least `size`, or returns null.
-std::byte* MapNew(std::FILE* file, std::size_t size, std::error_code& error) {
+// Maps the first bytes of a file, or returns null. To be written, the file gets
+// room for them.
+std::byte* MapOpen(std::FILE* file, std::size_t size, bool is_written,
+                   std::error_code& error) {
   const auto bytes = static_cast<std::uint64_t>(size);
   const Handle mapping(CreateFileMappingW(
       reinterpret_cast<HANDLE>(_get_osfhandle(_fileno(file))), nullptr,
-      PAGE_READWRITE, static_cast<DWORD>(bytes >> 32),
-      static_cast<DWORD>(bytes), nullptr));
+      is_written ? PAGE_READWRITE : PAGE_READONLY,
+      static_cast<DWORD>(bytes >> 32), static_cast<DWORD>(bytes), nullptr));
   void* const mapped =
       mapping != nullptr
-          ? MapViewOfFile(mapping.get(), FILE_MAP_WRITE, 0, 0, size)
+          ? MapViewOfFile(mapping.get(),
+                          is_written ? FILE_MAP_WRITE : FILE_MAP_READ, 0, 0,
+                          size)
           : nullptr;
   if (mapped == nullptr) error = LastWindowsError();
   return static_cast<std::byte*>(mapped);
 }
 
-bool IsOnDisk(std::FILE* file, const std::byte* mapped, std::size_t size) {
+bool IsOnDisk(std::FILE* file, std::byte* mapped, std::size_t size) {
   if (mapped != nullptr && FlushViewOfFile(mapped, size) == 0) return false;
   return _commit(_fileno(file)) == 0;
 }
@@ -178,14 +186,21 @@ int Reserve(int file, std::size_t size) {
 #endif
 }
 
-// Maps a file, whose size becomes at least `size`, or returns null.
-std::byte* MapNew(std::FILE* file, std::size_t size, std::error_code& error) {
-  if (const int number = Reserve(fileno(file), size); number != 0) {
+// Maps the first bytes of a file, or returns null. To be written, the file gets
+// room for them.
+std::byte* MapOpen(std::FILE* file, std::size_t size, bool is_written,
+                   std::error_code& error) {
+  int number = 0;
+  do {
+    number = is_written ? Reserve(fileno(file), size) : 0;
+  } while (number == EINTR);
+  if (number != 0) {
     error = {number, std::generic_category()};
     return nullptr;
   }
   void* const mapped =
-      mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, fileno(file), 0);
+      mmap(nullptr, size, PROT_READ | (is_written ? PROT_WRITE : 0), MAP_SHARED,
+           fileno(file), 0);
   if (mapped == MAP_FAILED) {
     error = LastError();
     return nullptr;
@@ -193,8 +208,8 @@ std::byte* MapNew(std::FILE* file, std::size_t size, std::error_code& error) {
   return static_cast<std::byte*>(mapped);
 }
 
-bool IsOnDisk(std::FILE* file, const std::byte* /*mapped*/,
-              std::size_t /*size*/) {
+bool IsOnDisk(std::FILE* file, std::byte* mapped, std::size_t size) {
+  if (mapped != nullptr && msync(mapped, size, MS_SYNC) != 0) return false;
   return fsync(fileno(file)) == 0;
 }
 #endif
@@ -259,27 +274,50 @@ void Unmap(Span<const std::byte> bytes) {
 }
 #endif
 
-NewFile::NewFile(const Call& call, const char* path)
-    : path_(path), name_(PathOf(call, path)) {
-  CheckIsReplaceable(call, path, name_);
-  file_ = CreateNextTo(name_, next_to_);
-  if (file_ == nullptr) {
-    const std::error_code error = LastError();
-    const std::u8string text = next_to_.u8string();
-    FailFile(call, reinterpret_cast<const char*>(text.c_str()), "created",
-             error);
+std::string AbsolutePath(const Call& call, const char* path) {
+  std::error_code error;
+  const auto absolute = std::filesystem::absolute(PathOf(call, path), error);
+  if (error) FailFile(call, path, "written", error);
+#if defined(_WIN32)
+  const std::u8string text = absolute.u8string();
+  return {text.begin(), text.end()};
+#else
+  return absolute.string();
+#endif
+}
+
+NewFile::NewFile(const Call& call, const char* path, Life life) : path_(path) {
+  const std::filesystem::path given = PathOf(call, path);
+  CheckIsReplaceable(call, path, given);
+  // The folder of the process can change before the file is removed.
+  std::error_code error;
+  name_ = std::filesystem::absolute(given, error);
+  if (given.filename().empty()) {
+    error = std::make_error_code(std::errc::no_such_file_or_directory);
+  }
+  if (error) FailWritten(call, error);
+  for (int attempt = 0; file_ == nullptr; ++attempt) {
+    const std::array<char, 16> suffix = NewSuffix();
+    next_to_ = name_;
+    next_to_ += suffix.data();
+    file_ = OpenNew(next_to_, life);
+    if (file_ == nullptr && (errno != EEXIST || attempt == 100)) {
+      error = LastError();
+      FailFile(call, (path_ + suffix.data()).c_str(), "created", error);
+    }
   }
 }
 
 NewFile::~NewFile() {
-  Unmap();
+  UnmapOwn();
   if (file_ == nullptr) return;
   std::fclose(file_);
   std::error_code ignored;
   std::filesystem::remove(next_to_, ignored);
 }
 
-void NewFile::FailWritten(const Call& call, const std::error_code& error) {
+void NewFile::FailWritten(const Call& call,
+                          const std::error_code& error) const {
   FailFile(call, path_.c_str(), "written", error);
 }
 
@@ -305,17 +343,24 @@ void NewFile::Return(const std::fpos_t& position) {
   std::fsetpos(file_, &position);
 }
 
-std::byte* NewFile::Map(const Call& call, std::size_t size) {
-  Flush(call);
+Span<const std::byte> NewFile::MapWritten(const Call& call,
+                                          std::size_t size) const {
   std::error_code error;
-  mapped_ = MapNew(file_, size, error);
+  const std::byte* const bytes = MapOpen(file_, size, false, error);
+  if (bytes == nullptr) FailFile(call, path_.c_str(), "mapped", error);
+  return {bytes, size};
+}
+
+std::byte* NewFile::Map(const Call& call, std::size_t size) {
+  std::error_code error;
+  mapped_ = MapOpen(file_, size, true, error);
   if (mapped_ == nullptr) FailWritten(call, error);
   mapped_bytes_ = size;
   return mapped_;
 }
 
-void NewFile::Unmap() {
-  if (mapped_bytes_ != 0) c::Unmap({mapped_, mapped_bytes_});
+void NewFile::UnmapOwn() {
+  if (mapped_bytes_ != 0) Unmap({mapped_, mapped_bytes_});
   mapped_bytes_ = 0;
 }
 
@@ -326,7 +371,7 @@ void NewFile::Publish(const Call& call) {
     error = LastError();
   }
   // Windows renames no file that is mapped or open.
-  Unmap();
+  UnmapOwn();
   if (std::fclose(std::exchange(file_, nullptr)) != 0 && !error) {
     error = LastError();
   }

@@ -37,6 +37,9 @@ class NoCancel {
 };
 #endif
 
+// The path from the root, so that it stays when the process changes its folder.
+std::string AbsolutePath(const Call& call, const char* path);
+
 // The bytes of a file, which are no longer valid after Unmap().
 Span<const std::byte> MapFile(const Call& call, const char* path);
 void Unmap(Span<const std::byte> bytes);
@@ -45,7 +48,11 @@ void Unmap(Span<const std::byte> bytes);
 // Functions fail with HS_IO_ERROR.
 class NewFile {
  public:
-  NewFile(const Call& call, const char* path);
+  // A temporary file has no name where the system can remove it at once, and
+  // cannot be published.
+  enum Life : bool { kToPublish, kTemporary };
+
+  NewFile(const Call& call, const char* path, Life life);
   NewFile(const NewFile&) = delete;
   NewFile& operator=(const NewFile&) = delete;
   ~NewFile();
@@ -57,24 +64,28 @@ class NewFile {
   // The end of what was written, to which it can return after an error.
   std::fpos_t Position(const Call& call);
   void Return(const std::fpos_t& position);
+  // Maps bytes that were written and flushed. Call Unmap() at their end.
+  Span<const std::byte> MapWritten(const Call& call, std::size_t size) const;
 
-  // Maps the first `size` bytes for reading, and for writing if there are not
-  // so many yet. The disk has room for them then, since a write to a page
-  // without room would end the process.
+  // Maps `size` bytes of a file without others for reading and writing. The
+  // disk has room for them then, since a write to a page without room would end
+  // the process.
   std::byte* Map(const Call& call, std::size_t size);
-  void Unmap();
-  // What Map() returned, also after Unmap().
+  // What Map() returned, also after Publish().
   const std::byte* mapped() const { return mapped_; }
 
-  // Replaces `path` by the file, which is closed. Its bytes are on the disk
-  // before it has the name: a crash leaves the old file or the new one.
+  // Replaces `path` by the file, which is closed and no longer mapped. Its
+  // bytes are on the disk before it has the name: a crash leaves the old file
+  // or the new one.
   void Publish(const Call& call);
 
  private:
-  [[noreturn]] void FailWritten(const Call& call, const std::error_code& error);
+  [[noreturn]] void FailWritten(const Call& call,
+                                const std::error_code& error) const;
+  void UnmapOwn();
 
-  std::string path_;
-  std::filesystem::path name_;
+  std::string path_;            // as the caller wrote it
+  std::filesystem::path name_;  // absolute, as the next
   std::filesystem::path next_to_;
   std::FILE* file_ = nullptr;
   std::byte* mapped_ = nullptr;

@@ -7,10 +7,16 @@ if (!hasChromium) {
   console.log('not tested: there is no chromium');
   process.exit(0);
 }
-const report = await postedBy(`${readFileSync(process.argv[2], 'utf8')}<script>
+const page = readFileSync(process.argv[2], 'utf8');
+const reported = (html) => postedBy(`${html}<script>
   new MutationObserver(() => fetch('/posted', { method: 'POST', body: report.innerHTML }))
     .observe(document.getElementById('report'), { childList: true });
   </script>`);
+// As in a browser without vectors.
+const broken = page.replace(/^const programs = .*$/m,
+  () => "const programs = ['Promise.reject(new Error(\\'no vectors\\'));', ''];");
+assert.match(await reported(broken), /The measurement failed: Error: no vectors/);
+const report = await reported(page);
 console.log(report);
 assert.match(report, /The simplex scan is faster than the box scan/);
 for (const name of ['scalar', 'WASM, 4']) {

@@ -71,18 +71,17 @@ def check(tree, queries, objects):
             sys.exit(f"the tree finds other boxes than {len(ids)} of {box}")
 
 
-def measure(objects, memory):
+def measure(objects, memory, folder):
     """In the process whose memory is limited."""
     queries = boxes_of(objects, FROM_DISK, objects)
-    with tempfile.TemporaryDirectory(dir=".") as folder:
-        path = os.path.join(folder, "boxes.bvh")
-        make, _ = seconds(lambda: [None for _ in chunks_of(objects)])
-        build, tree = seconds(lambda: hs.BVH.from_chunks(path, chunks_of(objects),
-                                                         memory=memory))
-        check(tree, queries, objects)
-        query = microseconds(queries, lambda: [tree.query(box) for box in queries])
-        result = {"make": make, "build": build, "query": query, "bytes": os.path.getsize(path),
-                  "rss": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024}
+    path = os.path.join(folder, "boxes.bvh")
+    make, _ = seconds(lambda: [None for _ in chunks_of(objects)])
+    build, tree = seconds(lambda: hs.BVH.from_chunks(path, chunks_of(objects),
+                                                     memory=memory))
+    check(tree, queries, objects)
+    query = microseconds(queries, lambda: [tree.query(box) for box in queries])
+    result = {"make": make, "build": build, "query": query, "bytes": os.path.getsize(path),
+              "rss": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024}
     print(json.dumps(result))
 
 
@@ -99,10 +98,12 @@ def limited(memory):
                 group.rmdir()
             continue
         try:
-            done = subprocess.run(
-                [sys.executable, *sys.argv, "--measure"], text=True, check=True,
-                stdout=subprocess.PIPE,
-                preexec_fn=lambda: (group / "cgroup.procs").write_text(str(os.getpid())))
+            # Here, because a process that runs out of memory removes no folder.
+            with tempfile.TemporaryDirectory(dir=".") as folder:
+                done = subprocess.run(
+                    [sys.executable, *sys.argv, "--measure", folder], text=True, check=True,
+                    stdout=subprocess.PIPE,
+                    preexec_fn=lambda: (group / "cgroup.procs").write_text(str(os.getpid())))
         finally:
             group.rmdir()
         return json.loads(done.stdout)
@@ -143,12 +144,12 @@ def main():
     parser.add_argument("--objects", type=int, default=100_000_000)
     parser.add_argument("--memory", type=float, default=1, help="in GB of 2^30 bytes")
     parser.add_argument("--out", help="also write the tables here, as JSON")
-    parser.add_argument("--measure", action="store_true", help=argparse.SUPPRESS)
+    parser.add_argument("--measure", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     objects = arguments.objects
     memory = int(arguments.memory * (1 << 30))
     if arguments.measure:
-        return measure(objects, memory // 4)
+        return measure(objects, memory // 4, arguments.measure)
     found = limited(memory)
     rows = in_memory(min(objects, IN_MEMORY))
     report.progress("")

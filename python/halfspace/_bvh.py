@@ -132,10 +132,10 @@ class BVH(Searches):
 
         `chunks` are arrays of boxes, as `BVH(boxes)` takes them, with the same number
         of axes. The id of a box is its row in all chunks. The boxes are sorted in runs
-        that take `memory` bytes, and written to new files next to `path`, which need 5
-        times the bytes of the boxes as float32. The tree replaces `path` when it is
-        complete. What the call takes beyond `memory` and a chunk are pages of files,
-        which the system can evict.
+        that take `memory` bytes, and written to temporary files in the folder of `path`,
+        which take up to 5 times the bytes of the boxes as float32. The tree replaces
+        `path` when it is complete. Beyond `memory` and a chunk, the call uses pages of
+        files, which the system can evict.
 
         The tree has the given quality if all boxes fit into one run, and else "fast".
         Ctrl-C ends the call between two chunks. Raises OSError if a file cannot be
@@ -150,21 +150,24 @@ class BVH(Searches):
         ...     len(hs.BVH.from_chunks(os.path.join(folder, "boxes.bvh"), chunks()))
         10000
         """
-        name = os.fsencode(path)
+        name = os.fsencode(os.path.abspath(path))
         is_fast = _is_fast(quality)
         memory = _arrays.positive(memory, "memory", _arrays.MOST_SIZE)
         builder = None
         dims = None
-        for i, chunk in enumerate(chunks):
-            table = _arrays.boxes(chunk, f"chunks[{i}]", dims)
+        try:
+            for i, chunk in enumerate(chunks):
+                table = _arrays.boxes(chunk, f"chunks[{i}]", dims)
+                if builder is None:
+                    dims = table.columns // 2
+                    builder = _halfspace.FileBuilder(name, dims, is_fast, memory)
+                builder.push(table.arrays)
             if builder is None:
-                dims = table.columns // 2
-                builder = _halfspace.FileBuilder(name, dims, is_fast, memory)
-            builder.push(table.arrays)
-        if builder is None:
-            raise ValueError("chunks: expected at least one array, got none")
-        builder.finish()
-        return cls.map(path)
+                raise ValueError("chunks: expected at least one array, got none")
+            builder.finish()
+        finally:
+            del builder  # and its file, which a traceback would keep
+        return cls.map(name)
 
     @classmethod
     def _of(cls, tree: _halfspace.Tree) -> "BVH":

@@ -410,6 +410,9 @@ class FileBuilder {
  public:
   FileBuilder(const std::string& path, std::size_t dims, bool is_fast,
               std::size_t memory) {
+    if (path.find('\0') != std::string::npos) {
+      throw std::invalid_argument("path: embedded null byte");
+    }
     hs_bvh_config config = ConfigOf(dims);
     config.quality = is_fast ? HS_QUALITY_FAST : HS_QUALITY_HIGH;
     hs_builder* builder = nullptr;

@@ -271,6 +271,7 @@ static void test_paths(const hs_bvh* bvh) {
   CHECK(hs_builder_create_file(&config, "c_test_none/file", 0, &no_builder) ==
         HS_IO_ERROR);
   CHECK(hs_builder_create_file(&config, ".", 0, &no_builder) == HS_IO_ERROR);
+  CHECK(hs_builder_create_file(&config, "", 0, &no_builder) == HS_IO_ERROR);
   NOT_NULL(hs_builder_create_file, (NULL, "c_test", 0, &no_builder), "config");
   NOT_NULL(hs_builder_create_file, (&config, NULL, 0, &no_builder), "path");
   NOT_NULL(hs_builder_create_file, (&config, "c_test", 0, NULL), "builder");
@@ -457,6 +458,23 @@ static void test_builder_without_room(void) {
   (void)signal(SIGXFSZ, before);
 }
 
+// A relative path is that of the folder at the time of the call.
+static void test_builder_in_another_folder(void) {
+  const hs_bvh_config config = bvh_config_of(HS_BOX3);
+  const hs_columns few = hs_float_rows(objects, 100, VALUES);
+  hs_builder* builder = NULL;
+  hs_bvh* bvh = NULL;
+  CHECK(mkdir("c_test_folder", 0700) == 0);
+  CHECK_OK(hs_builder_create_file(&config, kPath, 64, &builder));
+  CHECK_OK(hs_builder_push(builder, &few));
+  CHECK(chdir("c_test_folder") == 0);
+  check_count(hs_builder_finish(builder, &bvh), &bvh, 100);
+  hs_builder_destroy(builder);
+  CHECK(chdir("..") == 0);
+  CHECK(rmdir("c_test_folder") == 0);
+  check_count(hs_bvh_load(&config, kPath, &bvh), &bvh, 100);
+}
+
 // A thread that has been canceled ends behind the calls, not in them.
 static int has_returned = 0;
 static void* use_files(void* bvh) {
@@ -505,6 +523,7 @@ void test_files(void) {
 #if defined(HAS_POSIX)
   random_bounds(HS_BOX3, OBJECTS, 0.01f, 12, objects);
   test_builder_without_room();
+  test_builder_in_another_folder();
 #endif
   (void)remove(kPath);
   CHECK(count_remains() == remains);

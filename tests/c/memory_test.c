@@ -21,6 +21,7 @@ typedef struct memory {
   size_t left;   // allocations until one fails
   size_t live;   // blocks that are not freed
   size_t bytes;  // in them
+  size_t most;   // so far
   int has_failed;
 } memory;
 
@@ -38,6 +39,7 @@ static void* allocate(void* context, size_t bytes, size_t alignment) {
   block = aligned_alloc(alignment, size);
   ++its->live;
   its->bytes += bytes;
+  if (its->bytes > its->most) its->most = its->bytes;
   return block;
 }
 static void deallocate(void* context, void* block, size_t bytes,
@@ -156,6 +158,34 @@ static void use_builder_in(const char* path, hs_kind kind, memory* its) {
 static void use_builder(hs_kind kind, memory* its) {
   use_builder_in(NULL, kind, its);
 }
+// One byte too few for one run, and room for all.
+static void test_memory_of_a_builder_file(void) {
+  const size_t values = hs_bound_values(HS_BOX3);
+  const size_t whole = OBJECTS * (24 + values * sizeof(float));
+  const size_t limits[] = {whole / 3, whole - 1, whole};
+  const hs_columns columns = hs_float_rows(objects, OBJECTS, values);
+  size_t i;
+  random_bounds(HS_BOX3, OBJECTS, 0.01f, 5, objects);
+  for (i = 0; i < 3; ++i) {
+    memory its = {1000, 0, 0, 0, 0};
+    hs_bvh_config config = bvh_config_of(HS_BOX3);
+    hs_builder* builder = NULL;
+    hs_bvh* bvh = NULL;
+    size_t before = 0;
+    config.allocator = allocator_of(&its);
+    CHECK_OK(hs_builder_create_file(&config, "c_test_memory.bvh", limits[i],
+                                    &builder));
+    CHECK_OK(hs_builder_push(builder, &columns));
+    before = its.bytes;
+    CHECK_OK(hs_builder_finish(builder, &bvh));
+    CHECK(its.most <= before + limits[i]);
+    hs_bvh_destroy(bvh);
+    hs_builder_destroy(builder);
+    CHECK(its.live == 0);
+  }
+  (void)remove("c_test_memory.bvh");
+}
+
 static void use_builder_file(hs_kind kind, memory* its) {
   use_builder_in("c_test_memory.bvh", kind, its);
   (void)remove("c_test_memory.bvh");
@@ -277,7 +307,7 @@ static void test_misaligned(void) {
   size_t size = 0;
   hs_bvh* bvh = NULL;
   hs_bvh* copy = NULL;
-  memory its = {0, 0, 0, 0};
+  memory its = {0, 0, 0, 0, 0};
   size_t left;
   CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
   CHECK_OK(hs_bvh_blob(bvh, &blob, &size));
@@ -298,7 +328,7 @@ static void test_misaligned(void) {
 // The n-th allocation fails, for each n.
 static void use_without_memory(void (*use)(hs_kind kind, memory* its),
                                hs_kind kind, size_t least) {
-  memory its = {0, 0, 0, 1};
+  memory its = {0, 0, 0, 0, 1};
   size_t n;
   for (n = 0; its.has_failed; ++n) {
     its.has_failed = 0;
@@ -327,4 +357,5 @@ void test_memory(void) {
   }
   (void)remove("c_test_memory.bvh");
   test_misaligned();
+  test_memory_of_a_builder_file();
 }
