@@ -150,7 +150,7 @@ class BVH(Searches):
         ...     len(hs.BVH.from_chunks(os.path.join(folder, "boxes.bvh"), chunks()))
         10000
         """
-        name = os.fsencode(os.path.abspath(path))
+        where = os.path.abspath(path)
         is_fast = _is_fast(quality)
         memory = _arrays.positive(memory, "memory", _arrays.MOST_SIZE)
         builder = None
@@ -160,14 +160,16 @@ class BVH(Searches):
                 table = _arrays.boxes(chunk, f"chunks[{i}]", dims)
                 if builder is None:
                     dims = table.columns // 2
-                    builder = _halfspace.FileBuilder(name, dims, is_fast, memory)
+                    builder = _halfspace.FileBuilder(
+                        os.fsencode(where), dims, is_fast, memory
+                    )
                 builder.push(table.arrays)
             if builder is None:
                 raise ValueError("chunks: expected at least one array, got none")
             builder.finish()
         finally:
             del builder  # and its file, which a traceback would keep
-        return cls.map(name)
+        return cls.map(where)
 
     @classmethod
     def _of(cls, tree: _halfspace.Tree) -> "BVH":
