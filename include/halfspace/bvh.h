@@ -90,11 +90,14 @@ struct BuildOptions {
   // default the calling thread does all of it.
   Runner run = {};
   Target target = {};  // by default, the chosen one (targets.h)
-  // For objects and a resource that are mapped files, and do not fit into
-  // memory. If it is not 0, more objects than fit into so many bytes are sorted
-  // along a Hilbert curve as kFast does, in runs that do, and the runs are
-  // merged. All but one run is read and written in order, so pages can be
-  // evicted. A run needs 24 bytes and the bound for each object.
+  // For builds that do not fit into memory: the objects are mapped files, and
+  // `memory` maps a file for each block. 0 is off. Otherwise, if objects * (24
+  // + sizeof(Bound)) > run_bytes, `quality` is not read: the build sorts runs
+  // of `run_bytes` bytes as kFast does, and merges them. The tree is that of
+  // kFast. Only the current run is read in random order, so the system can
+  // evict all other pages. `memory` provides 8 bytes and the bound for each
+  // object besides the tree. hs_builder_create_file() (c/halfspace.h) does this
+  // with files.
   std::size_t run_bytes = 0;
 };
 

@@ -130,16 +130,17 @@ class BVH(Searches):
     ) -> "BVH":
         """Writes a tree of more boxes than fit into memory to a file, and maps it.
 
-        `chunks` are arrays of boxes, as `BVH(boxes)` takes them, with the same number
-        of axes. The id of a box is its row in all chunks. The boxes are sorted in runs
+        `chunks` is a list or an iterator of arrays, each as `boxes` of `BVH`, all in
+        the same dimensions. A million rows each is a good size. The id of a box is its
+        row when all chunks are stacked. The boxes are sorted in runs
         that take `memory` bytes, and written to temporary files in the folder of `path`,
         which take up to 5 times the bytes of the boxes as float32. The tree replaces
         `path` when it is complete. Beyond `memory` and a chunk, the call uses pages of
         files, which the system can evict.
 
-        The tree has the given quality if all boxes fit into one run, and else "fast".
-        Ctrl-C ends the call between two chunks. Raises OSError if a file cannot be
-        written.
+        The tree has the given quality if all boxes fit into one run, and otherwise it is
+        "fast". The call uses one thread. Ctrl-C ends it between two chunks, but not while
+        it sorts after the last one. Raises OSError if a file cannot be written.
 
         >>> import numpy as np, halfspace as hs, tempfile, os
         >>> def chunks():
@@ -150,6 +151,8 @@ class BVH(Searches):
         ...     len(hs.BVH.from_chunks(os.path.join(folder, "boxes.bvh"), chunks()))
         10000
         """
+        if isinstance(chunks, np.ndarray):
+            raise TypeError("chunks: expected a list or an iterator of arrays, got one array")
         where = os.path.abspath(path)
         is_fast = _is_fast(quality)
         memory = _arrays.positive(memory, "memory", _arrays.MOST_SIZE)

@@ -250,6 +250,8 @@ def test_chunks_that_are_none(boxes, tree, tmp_path):
     assert kept and os.listdir(tmp_path) == ["tree"]
     with pytest.raises(ValueError, match="path: embedded null byte"):
         hs.BVH.from_chunks(f"{path}\0more", [boxes])
+    with pytest.raises(TypeError, match="chunks: expected a list or an iterator"):
+        hs.BVH.from_chunks(path, boxes)
     with pytest.raises(ValueError, match="memory: expected an integer from 1"):
         hs.BVH.from_chunks(path, [boxes], memory=0)
     with pytest.raises(OSError, match="cannot be created"):

@@ -449,17 +449,18 @@ HALFSPACE_API void hs_bvh_destroy(hs_bvh* bvh);
 typedef struct hs_builder hs_builder;
 HALFSPACE_API hs_status hs_builder_create(const hs_bvh_config* config,
                                           hs_builder** builder);
-// The same for more objects than fit into memory. hs_builder_push() writes the
-// records to a temporary file in the folder of `path`. hs_builder_finish()
-// sorts them in runs of `memory` bytes, or of 256 MiB if it is 0, writes the
-// BVH to `path` as hs_bvh_save() does, and maps it as hs_bvh_map() does. Beyond
-// `memory` it uses pages of mapped files, which the system can evict. During
-// hs_builder_finish() the files take up to 5 times the bytes of the objects'
-// planes as floats. The BVH takes up to 1.9 times these bytes.
+// Creates a builder for more objects than fit into memory. hs_builder_push()
+// writes the records to a temporary file in the folder of `path`.
+// hs_builder_finish() sorts them in runs of `memory` bytes (24 and the planes
+// of each object), or of 256 MiB if it is 0, writes the BVH to `path` as
+// hs_bvh_save() does, and maps it as hs_bvh_map() does. Beyond `memory` it uses
+// pages of mapped files, which the system can evict. During hs_builder_finish()
+// the files take up to 5 times the bytes of the objects' planes as floats. The
+// BVH takes up to 1.9 times these bytes.
 //
 // If all objects fit into one run, the BVH has the quality of the
-// configuration, and otherwise HS_QUALITY_FAST. If a file cannot be written, a
-// call returns HS_IO_ERROR, names the argument `path`, and leaves the builder
+// configuration. Otherwise it has HS_QUALITY_FAST. If a file cannot be written,
+// a call returns HS_IO_ERROR, names the argument `path`, and leaves the builder
 // as it was. O(n log n).
 HALFSPACE_API hs_status hs_builder_create_file(const hs_bvh_config* config,
                                                const char* path, size_t memory,
