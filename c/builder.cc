@@ -28,11 +28,9 @@ struct hs_builder {
         objects(Values::OfObjects(its_config.layout)),
         rows(halfspace::detail::BlockAllocator<float>(
             its_config.options.memory)) {}
-  hs_builder(const BvhConfig& its_config, const Call& call,
-             const char* its_path)
+  hs_builder(const BvhConfig& its_config, const Call& call, const char* path)
       : hs_builder(its_config) {
-    path = halfspace::c::AbsolutePath(call, its_path);
-    file.emplace(call, its_path, NewFile::kTemporary);
+    file.emplace(call, path, NewFile::kTemporary);
   }
 
   const BvhConfig config;
@@ -40,7 +38,6 @@ struct hs_builder {
   std::size_t count = 0;
   halfspace::c::FloatVector rows;
   std::optional<NewFile> file;  // has the rows if there is one
-  std::string path;             // absolute
 };
 
 namespace halfspace::c {
@@ -125,34 +122,30 @@ void PushToFile(const Call& call, const hs_columns& objects,
   }
 }
 
-struct Rows {
-  ~Rows() {
-    if (!bytes.empty()) Unmap(bytes);
-  }
-  Span<const std::byte> bytes;
-};
-
-void BuildFile(const Call& call, const hs_builder& builder) {
+// Writes the tree to its file, and maps it.
+NewBvh BuildFile(const Call& call, const hs_builder& builder) {
+  const std::string absolute = builder.file->AbsolutePath();
+  const char* const path = absolute.c_str();
   const std::uint64_t bytes =
       std::uint64_t{builder.count} * builder.objects.count * sizeof(float);
   if (bytes > PTRDIFF_MAX) throw std::bad_alloc();
-  Rows rows;
-  if (bytes != 0) {
-    rows.bytes =
-        builder.file->MapWritten(call, static_cast<std::size_t>(bytes));
+  {
+    const Mapped rows{bytes == 0 ? Span<const std::byte>()
+                                 : builder.file->MapWritten(
+                                       call, static_cast<std::size_t>(bytes))};
+    BvhConfig config = builder.config;
+    FileMemory memory(call, path, config.options.memory,
+                      config.options.run_bytes);
+    config.options.memory = memory.resource();
+    const NewBvh bvh = BuildBvh(
+        call, config,
+        detail::ColumnsOfRows(reinterpret_cast<const float*>(rows.bytes.data()),
+                              builder.count, builder.objects.count));
+    if (!memory.Publish(bvh->tree.Blob().data())) {
+      SaveBvh(call, path, config.layout, bvh->tree);
+    }
   }
-  BvhConfig config = builder.config;
-  const char* const path = builder.path.c_str();
-  FileMemory memory(call, path, config.options.memory,
-                    config.options.run_bytes);
-  config.options.memory = memory.resource();
-  const NewBvh bvh = BuildBvh(
-      call, config,
-      detail::ColumnsOfRows(reinterpret_cast<const float*>(rows.bytes.data()),
-                            builder.count, builder.objects.count));
-  if (!memory.Publish(bvh->tree.Blob().data())) {
-    SaveBvh(call, path, config.layout, bvh->tree);
-  }
+  return MapBvh(call, path, builder.config);
 }
 
 }  // namespace
@@ -207,9 +200,7 @@ hs_status hs_builder_finish(const hs_builder* builder, hs_bvh** bvh) {
     call.CheckPointer("builder", builder);
     call.CheckPointer("bvh", bvh);
     if (builder->file) {
-      halfspace::c::BuildFile(call, *builder);
-      *bvh = halfspace::c::MapBvh(call, builder->path.c_str(), builder->config)
-                 .release();
+      *bvh = halfspace::c::BuildFile(call, *builder).release();
     } else {
       *bvh = halfspace::c::BuildBvh(call, builder->config,
                                     halfspace::detail::ColumnsOfRows(

@@ -36,10 +36,6 @@ hs_bvh* FromBytes(const Call& call, const char* argument,
 }
 
 hs_bvh* Load(const Call& call, const char* path, const BvhConfig& config) {
-  struct Mapped {
-    ~Mapped() { Unmap(bytes); }
-    const Span<const std::byte> bytes;
-  };
   const Mapped file{MapFile(call, path)};
   return FromBytes(call, "path", config, file.bytes);
 }

@@ -274,18 +274,6 @@ void Unmap(Span<const std::byte> bytes) {
 }
 #endif
 
-std::string AbsolutePath(const Call& call, const char* path) {
-  std::error_code error;
-  const auto absolute = std::filesystem::absolute(PathOf(call, path), error);
-  if (error) FailFile(call, path, "written", error);
-#if defined(_WIN32)
-  const std::u8string text = absolute.u8string();
-  return {text.begin(), text.end()};
-#else
-  return absolute.string();
-#endif
-}
-
 NewFile::NewFile(const Call& call, const char* path, Life life) : path_(path) {
   const std::filesystem::path given = PathOf(call, path);
   CheckIsReplaceable(call, path, given);
@@ -319,6 +307,15 @@ NewFile::~NewFile() {
 void NewFile::FailWritten(const Call& call,
                           const std::error_code& error) const {
   FailFile(call, path_.c_str(), "written", error);
+}
+
+std::string NewFile::AbsolutePath() const {
+#if defined(_WIN32)
+  const std::u8string text = name_.u8string();
+  return {text.begin(), text.end()};
+#else
+  return name_.string();
+#endif
 }
 
 void NewFile::Write(const Call& call, Span<const std::byte> bytes) {

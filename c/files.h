@@ -37,12 +37,17 @@ class NoCancel {
 };
 #endif
 
-// The path from the root, so that it stays when the process changes its folder.
-std::string AbsolutePath(const Call& call, const char* path);
-
 // The bytes of a file, which are no longer valid after Unmap().
 Span<const std::byte> MapFile(const Call& call, const char* path);
 void Unmap(Span<const std::byte> bytes);
+
+// Unmaps bytes at the end of its life.
+struct Mapped {
+  ~Mapped() {
+    if (!bytes.empty()) Unmap(bytes);
+  }
+  const Span<const std::byte> bytes;
+};
 
 // A new file next to `path`, which is removed unless Publish() was called.
 // Functions fail with HS_IO_ERROR.
@@ -56,6 +61,9 @@ class NewFile {
   NewFile(const NewFile&) = delete;
   NewFile& operator=(const NewFile&) = delete;
   ~NewFile();
+
+  // `path` from the root, so that it stays when the process changes its folder.
+  std::string AbsolutePath() const;
 
   // Writes behind what was written before.
   void Write(const Call& call, Span<const std::byte> bytes);

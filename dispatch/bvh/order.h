@@ -35,8 +35,8 @@ struct CurveKey {
 };
 static_assert(2 * sizeof(CurveKey) == kOrderScratch);
 
-// The keys of objects begin ... end - 1 in order, those of one place by id. The
-// result is in the scratch memory.
+// Returns the keys of objects begin ... end - 1, sorted by place, and by id
+// where places are equal. The keys are in the scratch memory.
 const CurveKey* KeysByCurve(const detail::Columns& objects, std::size_t begin,
                             std::size_t end, const detail::Grid& grid,
                             const detail::BvhKernels::OfPlanes& kernels,
