@@ -134,17 +134,18 @@ Table TableOf(const Verdict& verdict, std::string name, std::string title,
 // What the marks mean, and what the ranges of so many cells promise.
 std::string PromiseText(const Verdict& verdict, std::size_t cells) {
   std::string text =
-      "*: the simplex is faster. =: no difference. [ ]: range of the groups";
+      "*: the simplex is faster. =: no difference. [ ]: range of " +
+      std::to_string(verdict.groups()) + " groups, ";
   if (verdict.groups() == kGroups) {
     const double pages =
         1.0 / (kFalseWinnerChance * static_cast<double>(cells));
-    text += ", " + std::to_string(kGroups) +
-            " without the least and the greatest. It covers the median of "
-            "another run in 99 % of the cases. If nothing differed, one of " +
-            Grouped(static_cast<std::size_t>(pages)) + " reports of " +
-            std::to_string(cells) + " ratios would name a winner";
+    text +=
+        "without the least and the greatest. It covers the median of another "
+        "run in 99 % of the cases. If nothing differed, one of " +
+        Grouped(static_cast<std::size_t>(pages)) + " reports of " +
+        std::to_string(cells) + " ratios would name a winner";
   } else {
-    text += ", which are too few to trust a winner: leave out --repetitions";
+    text += "which are too few to trust a winner: leave out --repetitions";
   }
   return text + ". Timed with " + Grouped(verdict.queries()) +
          " different queries.";
