@@ -4,6 +4,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "bench/inner/target_loops.cc"
+#include "dispatch/targets/detect_targets.h"
 #include "hwy/cache_control.h"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 #include "hwy/highway.h"
@@ -15,7 +16,10 @@ HWY_BEFORE_NAMESPACE();
 namespace halfspace {
 namespace HWY_NAMESPACE {
 
-size_t OneQueryLanes() { return hn::Lanes(OneTag<float>()); }
+size_t OneQueryLanes() {
+  return dispatch::DetectWideVectorsPay() ? hn::Lanes(WordTag<float>())
+                                          : hn::Lanes(OneTag<float>());
+}
 
 using MemoryTag = hn::CappedTag<uint32_t, 64>;
 using Words = hn::Vec<MemoryTag>;

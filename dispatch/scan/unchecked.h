@@ -108,8 +108,9 @@ class Unchecked {
                             : kHasD  ? kernels.few_octahedra
                                      : kernels.few_objects;
     if (n - 1 < few) [[likely]] {
-      (kHasMax ? kernels.mask_of_all : kernels.mask_of_minima)(planes, 0, n,
-                                                               query, mask);
+      (kHasMax ? kernels.mask_of_all
+               : kernels.mask_of_minima)[WideVectorsPay()](planes, 0, n, query,
+                                                           mask);
       return;
     }
     WriteOne(planes, n, query, mask, &kernels);

@@ -41,6 +41,13 @@ inline std::size_t IndexOf(Target target, const char* call) {
   return known != kUnknownTarget ? known : ResolveIndex(target, call);
 }
 
+// Whether vectors of 512 bits are the faster ones for one query
+// (detect_targets.h). Known when a target was resolved.
+extern std::atomic<bool> wide_vectors_pay;
+inline bool WideVectorsPay() {
+  return wide_vectors_pay.load(std::memory_order_relaxed);
+}
+
 }  // namespace halfspace::dispatch
 
 #endif  // HALFSPACE_DISPATCH_TARGETS_CHOSEN_TARGET_H_

@@ -79,7 +79,12 @@ X86Machine ReadMachine() {
   return machine;
 }
 
-std::int64_t AskMachine() { return TargetsOf(ReadMachine()); }
+const X86Machine& ThisMachine() {
+  static const X86Machine machine = ReadMachine();
+  return machine;
+}
+
+std::int64_t AskMachine() { return TargetsOf(ThisMachine()); }
 
 #elif HWY_ARCH_ARM_A64 && defined(__linux__)
 
@@ -108,10 +113,18 @@ std::int64_t DetectTargets() {
 
 bool StreamingPays() {
 #if HWY_ARCH_X86
-  static const bool pays = StreamingPaysOn(ReadMachine());
+  static const bool pays = StreamingPaysOn(ThisMachine());
   return pays;
 #else
   return true;
+#endif
+}
+
+bool DetectWideVectorsPay() {
+#if HWY_ARCH_X86
+  return WideVectorsPayOn(ThisMachine());
+#else
+  return false;
 #endif
 }
 

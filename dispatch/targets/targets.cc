@@ -133,10 +133,12 @@ Target ChosenFor(std::string_view call) {
 }  // namespace
 
 constinit std::array<std::atomic<std::uint8_t>, 65> resolved_indices{};
+constinit std::atomic<bool> wide_vectors_pay{false};
 
 std::size_t ResolveIndex(Target target, const char* call) {
   const Target runs = target == Target() ? ChosenFor(call) : target;
   if (!IsSupported(runs)) ThrowBadTarget(runs, call);
+  wide_vectors_pay.store(DetectWideVectorsPay(), std::memory_order_relaxed);
   // Better targets have lower bits.
   const auto index = static_cast<std::uint8_t>(std::popcount(
       static_cast<std::uint64_t>(HWY_TARGETS & (runs.highway_bit() - 1))));

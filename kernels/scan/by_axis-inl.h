@@ -82,11 +82,11 @@ HWY_INLINE void TestBits(const detail::Scan& scan, const T* values, size_t axis,
 // groups survive cannot be predicted: a branch for each took three times as
 // long as a flat scan. Groups of 16 took up to 0.85 of the time of groups of
 // 64, and bits 0.6 of that of a list (a box in L2 on Zen 3).
-template <size_t kFirst, typename T>
+template <size_t kFirst, class D, typename T>
 HWY_INLINE Left TileByAxis(const detail::Scan& scan, const T* values,
                            size_t first, size_t words,
                            uint64_t* HWY_RESTRICT row) {
-  const OneTag<T> d;
+  const D d;
   const size_t axes = scan.type->axes;
   const T* max_values = values + scan.type->first_max;
   const auto min_plane = [&](size_t k) { return scan.Plane<T>(k) + first; };
@@ -151,13 +151,14 @@ HWY_INLINE Left TileByAxis(const detail::Scan& scan, const T* values,
 }
 
 // The same for whole words of one query. Not inlined: two kernels call it.
-template <size_t kFirst, typename T>
-HWY_NOINLINE Left RangeByAxis(const detail::Scan& scan,
+template <size_t kFirst, class D>
+HWY_NOINLINE Left TilesByAxis(const detail::Scan& scan,
                               const detail::Chunk& chunk) {
+  using T = hn::TFromD<D>;
   const size_t words = (chunk.end - chunk.begin) / kWordObjects;
   Left left{};
   for (size_t begin = 0; begin < words; begin += kTileWords) {
-    const Left tile = TileByAxis<kFirst>(
+    const Left tile = TileByAxis<kFirst, D>(
         scan, static_cast<const T*>(chunk.queries),
         chunk.begin + begin * kWordObjects, HWY_MIN(kTileWords, words - begin),
         chunk.rows + begin);
@@ -165,6 +166,14 @@ HWY_NOINLINE Left RangeByAxis(const detail::Scan& scan,
     left.all += tile.all;
   }
   return left;
+}
+
+template <size_t kFirst, typename T>
+HWY_INLINE Left RangeByAxis(const detail::Scan& scan,
+                            const detail::Chunk& chunk) {
+  return WithVectors<T>(scan, [&](auto d) HWY_ATTR {
+    return TilesByAxis<kFirst, decltype(d)>(scan, chunk);
+  });
 }
 
 }  // namespace HWY_NAMESPACE

@@ -41,6 +41,17 @@ HWY_INLINE auto WithLoad(const detail::Scan& scan, size_t begin,
   return WithLoad<T>(scan.addresses.bits | begin * sizeof(T), run);
 }
 
+// Returns run(tag), with the vectors for one query.
+template <typename T, class Run>
+HWY_INLINE auto WithVectors(const detail::Scan& scan, const Run& run) {
+#if HALFSPACE_MASKED_COMPARES
+  if (scan.is_wide) return run(WordTag<T>());
+#else
+  (void)scan;
+#endif
+  return run(OneTag<T>());
+}
+
 template <typename T>
 QueryValues<T> ValuesOf(const detail::Scan& scan, const T* query) {
   return {query + scan.type->first_max, query};
@@ -83,7 +94,7 @@ HWY_NOINLINE void FlatWord(const T* const* planes, QueryValues<T> query,
 
 // The first words * 64 objects from `first` on, at least 64. A function of its
 // own, like FlatTail: what the other needs would take registers.
-template <size_t kMins, size_t kMaxs, typename T>
+template <size_t kMins, size_t kMaxs, class D, typename T>
 HWY_NOINLINE void FlatWords(const T* const* planes, QueryValues<T> query,
                             size_t first, size_t words,
                             uint64_t* row) noexcept {
@@ -92,7 +103,7 @@ HWY_NOINLINE void FlatWords(const T* const* planes, QueryValues<T> query,
     addresses |= reinterpret_cast<uintptr_t>(planes[p]);
   }
   WithLoad<T>(addresses, [&](auto load) HWY_ATTR {
-    const OneTag<T> d;
+    const D d;
     const auto write = [&](const T* const* copies, auto... compared) HWY_ATTR {
       for (size_t w = 0; w < words; ++w) {
         row[w] = KeptBits<kMins>(d, load, copies, first + w * kWordObjects,
@@ -111,21 +122,22 @@ HWY_NOINLINE void FlatWords(const T* const* planes, QueryValues<T> query,
 }
 
 // Both, for more than 64 objects.
-template <size_t kMins, size_t kMaxs, typename T>
+template <size_t kMins, size_t kMaxs, class D, typename T>
 HWY_NOINLINE void FlatWordsAndTail(const T* const* planes, QueryValues<T> query,
                                    size_t first, size_t count,
                                    uint64_t* row) noexcept {
   const size_t words = count / kWordObjects;
-  FlatWords<kMins, kMaxs>(planes, query, first, words, row);
+  FlatWords<kMins, kMaxs, D>(planes, query, first, words, row);
   FlatTail<kMins, kMaxs>(planes, query, first + words * kWordObjects,
                          count % kWordObjects, row + words);
 }
 
 // A MaskKernel (kernel_table.h). It ends by a jump to another function, so it
 // saves no registers.
-template <size_t kMins, size_t kMaxs, typename T>
+template <size_t kMins, size_t kMaxs, class D>
 HWY_NOINLINE void FlatMask(const void* pointers, size_t first, size_t count,
                            const void* values, uint64_t* row) noexcept {
+  using T = hn::TFromD<D>;
   const T* const* planes = static_cast<const T* const*>(pointers);
   const auto query = ValuesOf<kMins, kMaxs>(static_cast<const T*>(values));
   if (count - 1 < kWordObjects - 1) {  // not of 0 objects
@@ -135,9 +147,9 @@ HWY_NOINLINE void FlatMask(const void* pointers, size_t first, size_t count,
     FlatWord<kMins, kMaxs>(planes, query, first, row);
 #endif
   } else if (count % kWordObjects == 0) {
-    FlatWords<kMins, kMaxs>(planes, query, first, count / kWordObjects, row);
+    FlatWords<kMins, kMaxs, D>(planes, query, first, count / kWordObjects, row);
   } else {
-    FlatWordsAndTail<kMins, kMaxs>(planes, query, first, count, row);
+    FlatWordsAndTail<kMins, kMaxs, D>(planes, query, first, count, row);
   }
 }
 
@@ -225,8 +237,11 @@ int64_t Flat(const detail::Scan& scan, const detail::Chunk& chunk) {
     // precede if it has any.
     const T* compared = values + q * scan.type->plane_count +
                         (kMaxs == 0 ? scan.type->first_max : 0);
-    FlatMask<kMins, kMaxs, T>(scan.planes, chunk.begin, chunk.end - chunk.begin,
-                              compared, chunk.rows + q * chunk.stride);
+    WithVectors<T>(scan, [&](auto d) HWY_ATTR {
+      FlatMask<kMins, kMaxs, decltype(d)>(scan.planes, chunk.begin,
+                                          chunk.end - chunk.begin, compared,
+                                          chunk.rows + q * chunk.stride);
+    });
   }
   return HWY_TARGET;
 }

@@ -76,8 +76,10 @@ constexpr detail::TargetKernels MakeHalfSpaceKernels() {
   kernels.nonzero_words = &FindNonzeroWords;
   kernels.count_bits = &CountBits;
   for (detail::Kernel& kernel : kernels.run) kernel = &HalfSpaceRow;
-  kernels.mask_of_minima = &HalfSpaceMask;
-  kernels.mask_of_all = &HalfSpaceMask;
+  for (size_t is_wide : {0, 1}) {
+    kernels.mask_of_minima[is_wide] = &HalfSpaceMask;
+    kernels.mask_of_all[is_wide] = &HalfSpaceMask;
+  }
   kernels.few_objects = kernels.few_octahedra = detail::kFewObjects;
   return kernels;
 }

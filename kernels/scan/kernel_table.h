@@ -46,8 +46,9 @@ using MaskKernel = void (*)(const void* planes, std::size_t begin,
 
 struct TargetKernels {
   Kernel run[kScanKernels];
-  MaskKernel mask_of_minima;  // of a simplex
-  MaskKernel mask_of_all;     // of the other shapes
+  // The second of each is with vectors of 512 bits, if the target has them.
+  MaskKernel mask_of_minima[2];  // of a simplex
+  MaskKernel mask_of_all[2];     // of the other shapes
   // Up to so many objects mask_of_all is as fast as stages: boxes, octahedra.
   std::size_t few_objects;
   std::size_t few_octahedra;

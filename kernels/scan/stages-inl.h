@@ -270,12 +270,11 @@ HWY_INLINE void PrefetchMaxima(const detail::Scan& scan, size_t first,
 // For octahedra of 10 % of the world's side, groups of 16 take 0.8 of the time
 // of whole words, and for octahedra of 3 % 1.02 of it (L1 and L2 on Zen 5). A
 // word of quantized bounds is only one or two vectors, so it has no groups.
-template <typename T, class Load, size_t... kPlane>
-HWY_NOINLINE void TestMaxima(std::index_sequence<kPlane...>, Load load,
+template <class D, typename T, class Load, size_t... kPlane>
+HWY_NOINLINE void TestMaxima(D d, std::index_sequence<kPlane...>, Load load,
                              const detail::Scan& scan, const T* values,
                              size_t first, uint64_t nonzero, size_t words,
                              uint64_t* HWY_RESTRICT row) {
-  const OneTag<T> d;
   const T* planes[] = {scan.Plane<T>(sizeof...(kPlane) + kPlane) + first...};
   // A local copy, because the compiler would load values behind a pointer again
   // after every store of a word. No vectors are passed to a lambda: a lambda
@@ -314,11 +313,13 @@ HWY_INLINE void FinishTile(const detail::Scan& scan, const detail::Chunk& chunk,
   for (size_t q = 0; q < chunk.query_count; ++q) {
     if (tile.nonzero[q] == 0) continue;
     WithLoad<T>(scan, chunk.begin, [&](auto load) HWY_ATTR {
-      TestMaxima<T>(
-          std::make_index_sequence<kAxes>(), load, scan,
-          static_cast<const T*>(chunk.queries) + q * scan.type->plane_count,
-          chunk.begin + tile.word * kWordObjects, tile.nonzero[q], tile.words,
-          chunk.rows + q * chunk.stride + tile.word);
+      WithVectors<T>(scan, [&](auto d) HWY_ATTR {
+        TestMaxima(
+            d, std::make_index_sequence<kAxes>(), load, scan,
+            static_cast<const T*>(chunk.queries) + q * scan.type->plane_count,
+            chunk.begin + tile.word * kWordObjects, tile.nonzero[q], tile.words,
+            chunk.rows + q * chunk.stride + tile.word);
+      });
     });
   }
 }
@@ -512,7 +513,8 @@ constexpr detail::TargetKernels MakeKernels() {
   kernels.run[detail::kAll] = &Flat<kAxes, kAxes, T>;
   kernels.run[detail::kAllStreaming] = &ElementKernels<T>::StreamAll;
   if constexpr (std::is_floating_point_v<T>) {
-    kernels.mask_of_all = &FlatMask<kAxes, kAxes, T>;
+    kernels.mask_of_all[0] = &FlatMask<kAxes, kAxes, OneTag<T>>;
+    kernels.mask_of_all[1] = &FlatMask<kAxes, kAxes, WordTag<T>>;
     kernels.few_objects =
         HWY_MIN(detail::kFewObjects, kFewWords * kWordObjects - 1);
     kernels.few_octahedra =
@@ -526,7 +528,8 @@ constexpr detail::TargetKernels MakeKernels() {
   if constexpr (kAxes > 2 && !std::is_same_v<T, double>) {
     kernels.run[detail::kMinima] = &Flat<kAxes, 0, T>;
     if constexpr (std::is_floating_point_v<T>) {
-      kernels.mask_of_minima = &FlatMask<kAxes, 0, T>;
+      kernels.mask_of_minima[0] = &FlatMask<kAxes, 0, OneTag<T>>;
+      kernels.mask_of_minima[1] = &FlatMask<kAxes, 0, WordTag<T>>;
     }
     kernels.run[detail::kMinimaStreaming] = &ElementKernels<T>::StreamMinima;
     kernels.run[detail::kBySimplex] = &BySimplex<kAxes, T>;

@@ -1,6 +1,7 @@
 // The words of a scan on every target, against a plain loop: of every type of
 // element, of 1 to 10 planes, and of the functions of kernels-inl.h. Streaming
-// and staged scans, which are made of the same parts, are in streaming_test.cc.
+// and staged scans, which are made of the same parts, are in
+// cpu_choices_test.cc.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,6 +41,7 @@ struct WordCase {
   std::size_t mins = 0;
   std::size_t planes = 0;
   WordFunction<T> whole = nullptr;  // of 64 objects
+  WordFunction<T> wide = nullptr;   // the same, with the longest vectors
   WordFunction<T> tail = nullptr;   // of at most 63
 };
 
@@ -76,6 +78,12 @@ struct WordsOfPlanes {
     return KeptBits<kMins>(d, LoadAll(), planes, i,
                            hn::Set(d, query[kPlane])...);
   }
+  static uint64_t Wide(const T* const* planes, size_t i, size_t,
+                       const T* query) {
+    const WordTag<T> d;
+    return KeptBits<kMins>(d, LoadAll(), planes, i,
+                           hn::Set(d, query[kPlane])...);
+  }
   static uint64_t Tail(const T* const* planes, size_t i, size_t count,
                        const T* query) {
     const WordTag<T> d;
@@ -86,7 +94,7 @@ struct WordsOfPlanes {
 template <size_t kMins, typename T, size_t... kPlane>
 constexpr testing::WordCase<T> MakeWordCase(std::index_sequence<kPlane...>) {
   using Words = WordsOfPlanes<kMins, T, kPlane...>;
-  return {kMins, sizeof...(kPlane), &Words::Whole, &Words::Tail};
+  return {kMins, sizeof...(kPlane), &Words::Whole, &Words::Wide, &Words::Tail};
 }
 
 // The functions of kernels-inl.h. Their queries have minima, then maxima; here
@@ -112,7 +120,7 @@ constexpr testing::WordCase<T> MakeWordCase(std::index_sequence<kPlane...>) {
       return SurvivorsOfFew##name<kDims>(planes, i, n, Query(query).values); \
     }                                                                        \
     static constexpr testing::WordCase<T> Case() {                           \
-      return {kMins, kPlanes, &Of64, &OfFew};                                \
+      return {kMins, kPlanes, &Of64, &Of64, &OfFew};                         \
     }                                                                        \
   };
 HALFSPACE_NAMED_CASE(Boxes, kDims, kDims)
@@ -258,6 +266,7 @@ class ScanWordsTest : public ::testing::Test {
       Fill();
       const std::uint64_t expected = Expected(word_case, 64);
       ASSERT_EQ(Word(word_case.whole, 64), expected);
+      ASSERT_EQ(Word(word_case.wide, 64), expected);
       for (std::size_t count = 1; count < 64; ++count) {
         ASSERT_EQ(Word(word_case.tail, count), Expected(word_case, count))
             << count << " objects";

@@ -176,6 +176,17 @@ TEST(DetectTargetsTest, StreamingPaysOnZen4Only) {
   EXPECT_FALSE(StreamingPaysOn(machine));
 }
 
+TEST(DetectTargetsTest, WideVectorsPayOnIntelFromIceLakeOn) {
+  X86Machine machine = EveryX86();
+  machine.is_amd = false;
+  EXPECT_TRUE(WideVectorsPayOn(machine));
+  machine.leaf7_ecx &= ~(std::uint32_t{1} << 6);  // VBMI2: before Ice Lake
+  EXPECT_FALSE(WideVectorsPayOn(machine));
+  machine = EveryX86();
+  machine.is_amd = true;
+  EXPECT_FALSE(WideVectorsPayOn(machine));
+}
+
 TEST(DetectTargetsTest, EachFeatureOfAarch64) {
   constexpr std::uint64_t kAll = ~std::uint64_t{0};
   const auto without = [](int bit) { return ~(std::uint64_t{1} << bit); };

@@ -1,0 +1,104 @@
+// All kernels of one query, streaming or not, with vectors of either width,
+// against the flat one. Which of them calls use depends on the CPU
+// (dispatch/targets/detect_targets.h), so all are tested on every machine.
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "dispatch/targets/chosen_target.h"
+#include "halfspace/reject_many.h"
+#include "kernels/scan/kernel_table.h"
+#include "tests/library/support/environment.h"
+#include "tests/library/support/flat_cases.h"
+
+namespace halfspace::testing {
+namespace {
+
+using detail::ScanKernel;
+
+std::vector<std::uint64_t> WordsOf(const detail::Scan& scan,
+                                   ScanKernel kernel) {
+  // One word more, which no kernel may touch.
+  std::vector<std::uint64_t> words(MaskWords(scan.end - scan.begin) + 1,
+                                   0x5555);
+  const detail::Chunk chunk{.first_query = 0,
+                            .query_count = 1,
+                            .queries = scan.queries,
+                            .begin = scan.begin,
+                            .end = scan.end,
+                            .rows = words.data(),
+                            .stride = 0};
+  scan.kernels->run[kernel](scan, chunk);
+  return words;
+}
+
+// Kernels that call them by number, of all planes.
+std::vector<ScanKernel> KernelsOf(detail::PlaneLayout::Kind kind) {
+  switch (kind) {
+    case detail::PlaneLayout::kSimplex:
+      return {detail::kMinima, detail::kMinimaStreaming};
+    case detail::PlaneLayout::kAabb:
+      return {detail::kAll, detail::kAllStreaming, detail::kByAxis,
+              detail::kByHalf, detail::kAdaptive};
+    case detail::PlaneLayout::kAabo:
+      break;
+  }
+  return {detail::kAll,    detail::kAllStreaming, detail::kByAxis,
+          detail::kByHalf, detail::kBySimplex,    detail::kAdaptive};
+}
+
+class CpuChoicesTest : public ::testing::TestWithParam<FlatCase> {};
+
+TEST_P(CpuChoicesTest, TestLikeTheFlatKernel) {
+  const FlatCase& kind = GetParam();
+  const bool is_simplex = kind.seen.kind == detail::PlaneLayout::kSimplex;
+  Random random(1);
+  // Whole pages, parts of one, and tiles of 4096 objects; with and without
+  // tail.
+  for (std::size_t size : {1u, 64u, 1024u, 1088u, 4096u, 9000u}) {
+    // Of the words of a tile few survive, and almost all.
+    for (InputKind input_kind : {InputKind::kSparse, InputKind::kDense}) {
+      const FlatInput input(kind, input_kind, size + 1, random);
+      const AnyWorld world = input.WorldAt(0, size + 1, 1);
+      detail::Scan scan = world.Asked(input.query());
+      // Planes are aligned or not.
+      for (scan.begin = 0; scan.begin < 2; ++scan.begin) {
+        scan.end = scan.begin + size;
+        for (Target target : TargetsUnderTest()) {
+          SCOPED_TRACE(std::string(target.name()) + ": " +
+                       std::to_string(size) + " objects from " +
+                       std::to_string(scan.begin) + ", " +
+                       std::string(NameOf(input_kind)));
+          scan.kernels = *scan.type->all_kernels +
+                         dispatch::IndexOf(target, "cpu_choices_test");
+          scan.is_streaming = scan.is_wide = false;
+          const auto expected = WordsOf(scan, scan.type->flat);
+          for (bool is_wide : {false, true}) {
+            scan.is_wide = is_wide;
+            for (ScanKernel kernel : KernelsOf(kind.seen.kind)) {
+              for (bool is_streaming : {false, true}) {
+                scan.is_streaming = is_streaming;
+                EXPECT_EQ(WordsOf(scan, kernel), expected)
+                    << "kernel " << int{kernel} << ", wide: " << is_wide;
+              }
+            }
+            auto words = std::vector<std::uint64_t>(expected.size(), 0x5555);
+            (is_simplex ? scan.kernels->mask_of_minima
+                        : scan.kernels->mask_of_all)[is_wide](
+                scan.planes, scan.begin, size, scan.queries, words.data());
+            EXPECT_EQ(words, expected) << "mask, wide: " << is_wide;
+          }
+        }
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, CpuChoicesTest,
+                         ::testing::ValuesIn(WholeFlatCases()), FlatCaseName);
+
+}  // namespace
+}  // namespace halfspace::testing
