@@ -12,7 +12,7 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-RUN = ROOT / "bench/results/epyc-zen3.json"
+RUN = ROOT / "bench/results/xeon-6-167.json"
 
 # Each chart: its title, the table, and the parts of the table's `chart` that differ.
 CHARTS = {
