@@ -527,20 +527,6 @@ TEST(RunnerTest, CallsAnyFunctionObject) {
   EXPECT_EQ(runs, 3);
 }
 
-// A temporary in the options lives until the constructor returns.
-TEST(RunnerTest, CanBeATemporaryOfTheCall) {
-  const AabbWorld3 world = Spread<AabbView3>(1.0f).Objects(10'000);
-  std::size_t parts = 0;
-  const AabbBvh3 bvh(world,
-                     {.run = [&parts, in_turn = std::function(RunBackwards)](
-                                 std::size_t count, const auto& part) {
-                       parts += count;
-                       in_turn(count, part);
-                     }});
-  EXPECT_GE(parts, 3u);
-  EXPECT_TRUE(std::ranges::equal(bvh.ids(), AabbBvh3(world).ids()));
-}
-
 // The bytes beyond the planes of floats that a BVH of boxes may have,
 // ids and permutation included.
 TEST(BvhMemoryTest, IsAtMostThreeQuartersOfTheFloats) {
