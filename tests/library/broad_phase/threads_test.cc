@@ -390,20 +390,7 @@ TEST(BroadPhaseThreadsTest, CallsThatRunAloneWaitForQueries) {
   for (std::uint32_t id = 0; id < 100; ++id) {
     bodies.Insert(id, PlaceOf(id, false));
   }
-  const std::vector<std::byte> bytes = BytesOf(bodies);
-  const std::function<void()> calls[] = {
-      [&] { bodies.Insert(100, PlaceOf(100, false)); },
-      [&] { bodies.Erase(100); },
-      [&] { bodies.SetMasks(1, {.category = 2}); },
-      [&] { bodies.Update(); },
-      [&] { bodies.Rebuild(); },
-      [&] { bodies.UpdatePairs(); },
-      [&] { bodies.Load(bytes); },
-      [&] { (void)BytesOf(bodies); },
-      [&] { const AabbBroadPhase3 copy(bodies); },
-      [&] { (void)bodies.Statistics(); },
-      [&] { (void)bodies.Validate(); }};
-  for (const auto& call : calls) {
+  for (const auto& named : CallsThatRunAlone(bodies)) {
     std::atomic<bool> has_begun{false};
     std::atomic<bool> has_ended{false};
     std::thread other;
@@ -411,7 +398,7 @@ TEST(BroadPhaseThreadsTest, CallsThatRunAloneWaitForQueries) {
       if (other.joinable()) return;
       other = std::thread([&] {
         has_begun.store(true);
-        call();
+        named.second();
         has_ended.store(true);
       });
       while (!has_begun.load()) std::this_thread::yield();

@@ -43,22 +43,6 @@ class BvhOf final : public SearchesOf<AnyBvh, Bvh<View>> {
     }
     CountSurvivorsOfEach(world_, queries, counts, options);
   }
-  void NearestEach(std::span<const Place> places, std::size_t k,
-                   Span<std::uint32_t> ids, Span<float> distances,
-                   float max_distance,
-                   const SearchOptions& options) const override {
-    std::vector<Point<kDims>> points;
-    std::vector<Aabb<kDims>> boxes;
-    for (const Place& place : places) {
-      points.push_back(Base::PointOf(place.min));
-      boxes.push_back(Base::BoxOf(place));
-    }
-    if (places[0].is_point) {
-      KNearestOfEach(world_, points, k, ids, distances, max_distance, options);
-    } else {
-      KNearestOfEach(world_, boxes, k, ids, distances, max_distance, options);
-    }
-  }
   void ForEachNearest(const Corner& point, float max_distance,
                       const Searches::OnHit& function,
                       const SearchOptions& options) const override {
