@@ -8,7 +8,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -127,29 +126,6 @@ void ExpectIsModel(const AabbBroadPhase3& bodies, BodyModel& model,
 // Two broad phases answer the same, in the same order.
 void ExpectSameOrder(const AnyBodies& a, const AnyBodies& b,
                      std::uint64_t seed);
-
-// The pairs that the events of UpdatePairs() add up to.
-class PairsByEvents {
- public:
-  template <typename View>
-  void Add(const BroadPhase<View>& bodies) {
-    for (const IdPair& pair : bodies.ended()) {
-      is_right_ &= pairs_.erase({pair.a, pair.b}) == 1;
-    }
-    for (const IdPair& pair : bodies.began()) {
-      is_right_ &= pairs_.emplace(pair.a, pair.b).second;
-    }
-  }
-
-  PairList pairs() const {
-    EXPECT_TRUE(is_right_) << "a pair began or ended twice";
-    return {pairs_.begin(), pairs_.end()};
-  }
-
- private:
-  bool is_right_ = true;
-  std::set<std::pair<std::uint32_t, std::uint32_t>> pairs_;
-};
 
 }  // namespace halfspace::testing
 

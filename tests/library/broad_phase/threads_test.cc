@@ -6,8 +6,8 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <mutex>
+#include <set>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -217,8 +217,7 @@ class BroadPhaseThreads {
           bodies_.Update();
       }
       if (i % 4 == 0) {
-        bodies_.UpdatePairs();
-        pairs_.Add(bodies_);
+        UpdatePairs();
       }
       std::this_thread::yield();
     }
@@ -232,13 +231,22 @@ class BroadPhaseThreads {
       model.Insert(id, PlanesOf(PlaceOf(id, is_second_[id])),
                    bodies_.MasksOf(id));
     }
-    bodies_.UpdatePairs();
-    pairs_.Add(bodies_);
-    EXPECT_EQ(pairs_.pairs(), model.Pairs());
+    UpdatePairs();
+    EXPECT_EQ(PairList(pairs_.begin(), pairs_.end()), model.Pairs());
     ExpectIsModel(bodies_, model, 5);
   }
 
  private:
+  void UpdatePairs() {
+    bodies_.UpdatePairs();
+    for (const IdPair& pair : bodies_.ended()) {
+      complaints_.Check(pairs_.erase({pair.a, pair.b}) == 1, "ended twice");
+    }
+    for (const IdPair& pair : bodies_.began()) {
+      complaints_.Check(pairs_.emplace(pair.a, pair.b).second, "began twice");
+    }
+  }
+
   void Check(const AabbBroadPhase3& copy) {
     for (std::uint32_t id = 0; id < kAllIds; ++id) {
       complaints_.Check(id >= kChanging || copy.Has(id), "not copied");
@@ -319,7 +327,7 @@ class BroadPhaseThreads {
   // Each written by the thread that has the id.
   std::array<bool, kAllIds> is_second_{};
   std::array<bool, kAllIds> is_there_{};
-  PairsByEvents pairs_;  // of the updater
+  std::set<std::pair<std::uint32_t, std::uint32_t>> pairs_;  // by the events
   std::mutex engine_;
   Complaints complaints_;
 };

@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "tests/library/bvh/searches_of.h"

@@ -9,8 +9,6 @@
 #include <limits>
 #include <new>
 #include <numeric>
-#include <optional>
-#include <span>
 #include <stdexcept>
 #include <string_view>
 #include <tuple>
@@ -24,7 +22,6 @@
 #include "tests/library/support/counting_memory.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
-#include "tests/library/support/fp_modes.h"
 
 namespace halfspace::testing {
 namespace {
@@ -358,20 +355,6 @@ TEST(RejectShapesErrorsTest, RefuseWhatIsWrong) {
                  "world.max[1]", "null");
   EXPECT_TRUE(canaried_ids.IntactBut(0));
   EXPECT_TRUE(canaried_mask.IntactBut(0));
-}
-
-// Floats are in the histories of history_test.cc, which trap too.
-TEST(BvhFpModesTest, MakingAndChangingAWorldOfDoublesNeverTraps) {
-  const AabbWorld<3, double> world(
-      std::vector<Aabb<3, double>>(200, {{1e-310, -1e300, 0.1}, {}}));
-  for (BuildQuality quality : {BuildQuality::kHigh, BuildQuality::kFast}) {
-    RunIn(FpMode::kTraps, [&] {
-      AabbBvh3 bvh(world, {.quality = quality});
-      bvh.Insert(Aabb<3, double>::Everything());
-      bvh.Insert(Aabb<3, double>::Empty());
-      bvh.Rebuild({.quality = quality});
-    });
-  }
 }
 
 // What a set takes comes from the world's resource. Without memory nothing is

@@ -212,9 +212,8 @@ Ids BvhHistory::TakeChanged() { return std::exchange(changed_, {}); }
 BoundList BvhHistory::Bounds(std::size_t count) {
   std::vector<Planes> floats(count);
   for (Planes& bound : floats) bound = choices_.Next();
-  // Doubles that are signalling NaNs would trap.
-  const bool is_of_doubles = layout_.kind == Layout::kAabb &&
-                             mode_ != FpMode::kTraps && choices_.Below(4) == 0;
+  const bool is_of_doubles =
+      layout_.kind == Layout::kAabb && choices_.Below(4) == 0;
   return is_of_doubles ? InDoubles(layout_, std::move(floats))
                        : BoundList{std::move(floats), {}};
 }

@@ -9,7 +9,6 @@
 #include <functional>
 #include <limits>
 #include <random>
-#include <utility>
 #include <vector>
 
 #include "halfspace/halfspace.h"
