@@ -45,10 +45,6 @@ Ids StateOf(const AnyBodies& bodies) {
   return state;
 }
 
-void RunBackwards(std::size_t parts, const Runner::Part& part) {
-  while (parts-- > 0) part(parts);
-}
-
 }  // namespace
 
 BodyHistory::BodyHistory(const Layout& layout, Choices& choices,
@@ -129,13 +125,13 @@ std::size_t BodyHistory::Change() {
     if (choices_.Below(2) == 0) {
       update.budget = choices_.Below(2 * most_bodies_);
     }
-    auto run = RunBackwards;
+    auto run = RunOnThreads;
     update.run = run;
     model_.Update();
     Each([&](AnyBodies& bodies) { bodies.Update(update); });
   } else if (what == 11) {
     model_.Update();
-    Each([&](AnyBodies& bodies) { bodies.Rebuild(&RunBackwards); });
+    Each([&](AnyBodies& bodies) { bodies.Rebuild(&RunOnThreads); });
   } else if (what < 14) {
     UpdatePairs();
   } else if (what < 16) {  // From now on there is another one.
@@ -190,7 +186,7 @@ void BodyHistory::UpdatePairs() {
   bool is_first = true;
   Each([&](AnyBodies& bodies) {
     bodies.UpdatePairs(std::exchange(is_first, false) ? Runner()
-                                                      : Runner(&RunBackwards));
+                                                      : Runner(&RunOnThreads));
   });
   PairList pairs = PairsFrom(bodies().pairs());
   std::sort(pairs.begin(), pairs.end());

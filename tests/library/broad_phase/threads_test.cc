@@ -15,6 +15,7 @@
 #include "halfspace/error.h"
 #include "halfspace/halfspace.h"
 #include "tests/library/broad_phase/any_bodies.h"
+#include "tests/library/bvh/history.h"
 #include "tests/library/support/environment.h"
 
 namespace halfspace::testing {
@@ -468,15 +469,7 @@ bool KeepsSome(void* context, std::uint32_t a, std::uint32_t b, bool is_kept) {
 
 // Enough bodies for several parts.
 TEST(BroadPhaseThreadsTest, EventsDoNotDependOnTheRunner) {
-  const Runner on_two = [](std::size_t parts, const Runner::Part& part) {
-    std::atomic<std::size_t> next{0};
-    const auto run = [&] {
-      for (std::size_t i = next++; i < parts; i = next++) part(i);
-    };
-    std::thread other(run);
-    run();
-    other.join();
-  };
+  auto run = RunOnThreads;
   std::vector<std::vector<IdPair>> events(2);
   for (std::size_t r = 0; r < 2; ++r) {
     std::atomic<std::size_t> calls{0};
@@ -499,7 +492,7 @@ TEST(BroadPhaseThreadsTest, EventsDoNotDependOnTheRunner) {
       for (std::uint32_t id = 0; id < kCount; ++id) {
         bodies.Move(id, box_of(id, step));
       }
-      bodies.UpdatePairs(r == 0 ? Runner() : on_two);
+      bodies.UpdatePairs(r == 0 ? Runner() : Runner(run));
       for (const auto& list : {bodies.began(), bodies.ended()}) {
         events[r].insert(events[r].end(), list.begin(), list.end());
       }

@@ -120,11 +120,11 @@ class BvhOf final : public SearchesOf<AnyBvh, Bvh<View>> {
   }
   void EraseOne(std::uint32_t id) override { world_.Erase(id); }
   void Erase(Span<const std::uint32_t> ids) override { world_.Erase(ids); }
-  void Refit(const BoundList& by_id) override {
-    With(by_id, [&](const auto& list) { world_.Refit(list); });
+  void Refit(const BoundList& by_id, const Runner& run) override {
+    With(by_id, [&](const auto& list) { world_.Refit(list, run); });
   }
-  void RefitInOrder(const BoundList& bounds) override {
-    With(bounds, [&](const auto& list) { world_.RefitInOrder(list); });
+  void RefitInOrder(const BoundList& bounds, const Runner& run) override {
+    With(bounds, [&](const auto& list) { world_.RefitInOrder(list, run); });
   }
   void RefitSome(Span<const std::uint32_t> ids,
                  const BoundList& by_id) override {

@@ -186,8 +186,8 @@ class AnyBvh : public Searches {
   virtual void SetOne(std::uint32_t id, const BoundList& bound) = 0;
   virtual void EraseOne(std::uint32_t id) = 0;
   virtual void Erase(Span<const std::uint32_t> ids) = 0;
-  virtual void Refit(const BoundList& by_id) = 0;
-  virtual void RefitInOrder(const BoundList& bounds) = 0;
+  virtual void Refit(const BoundList& by_id, const Runner& run) = 0;
+  virtual void RefitInOrder(const BoundList& bounds, const Runner& run) = 0;
   virtual void RefitSome(Span<const std::uint32_t> ids,
                          const BoundList& by_id) = 0;
   virtual void SetMask(std::uint32_t id, std::uint32_t mask) = 0;

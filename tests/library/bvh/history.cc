@@ -9,6 +9,7 @@
 #include <iterator>
 #include <map>
 #include <memory>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -90,6 +91,16 @@ BodyMasks Choices::Masks() {
   return masks;
 }
 
+void RunOnThreads(std::size_t count, const Runner::Part& part) {
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < 3; ++t) {
+    threads.emplace_back([t, count, &part] {
+      for (std::size_t i = t; i < count; i += 3) part(count - 1 - i);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+}
+
 BoundList InDoubles(const Layout& layout, std::vector<Planes> floats) {
   BoundList list{std::move(floats), {}};
   for (const Planes& bound : list.floats) {
@@ -164,10 +175,13 @@ std::size_t BvhHistory::Change() {
       break;
     }
     case 11: {
-      const BuildOptions options{.quality = choices_.Below(2) == 0
-                                                ? BuildQuality::kHigh
-                                                : BuildQuality::kFast};
-      Each([&](AnyBvh& bvh) { bvh.Rebuild(options); });
+      BuildOptions options{.quality = choices_.Below(2) == 0
+                                          ? BuildQuality::kHigh
+                                          : BuildQuality::kFast};
+      Each([&](AnyBvh& bvh) {
+        options.run = RunnerOf(bvh);
+        bvh.Rebuild(options);
+      });
       const std::size_t limit =
           objects_.empty() ? 0 : std::prev(objects_.end())->first + 1u;
       EXPECT_EQ(bvh().tree().id_limit(), limit);
@@ -208,6 +222,11 @@ void BvhHistory::ExpectIsModel(const HowToAsk& how, Random& random) const {
 }
 
 Ids BvhHistory::TakeChanged() { return std::exchange(changed_, {}); }
+
+Runner BvhHistory::RunnerOf(const AnyBvh& bvh) const {
+  static auto run = RunOnThreads;
+  return &bvh == all_[0].get() ? Runner() : Runner(run);
+}
 
 BoundList BvhHistory::Bounds(std::size_t count) {
   std::vector<Planes> floats(count);
@@ -333,9 +352,9 @@ void BvhHistory::RefitAll() {
   }
   Each([&](AnyBvh& bvh) {
     if (is_in_order) {
-      bvh.RefitInOrder(bounds);
+      bvh.RefitInOrder(bounds, RunnerOf(bvh));
     } else {
-      bvh.Refit(bounds);
+      bvh.Refit(bounds, RunnerOf(bvh));
     }
   });
 }

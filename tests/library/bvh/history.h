@@ -40,6 +40,9 @@ class Choices {
   Planes last_;
 };
 
+// Each part once, in reverse on each of three threads.
+void RunOnThreads(std::size_t count, const Runner::Part& part);
+
 // Doubles that are rounded outward to these floats.
 BoundList InDoubles(const Layout& layout, std::vector<Planes> floats);
 
@@ -80,6 +83,8 @@ class BvhHistory {
           });
     }
   }
+  // The copies run on threads, and must be the same.
+  Runner RunnerOf(const AnyBvh& bvh) const;
   BoundList Bounds(std::size_t count);
   std::uint32_t AnyId();
   Ids AnyIds(std::size_t count);

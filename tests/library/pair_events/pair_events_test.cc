@@ -14,7 +14,6 @@
 #include <random>
 #include <set>
 #include <stdexcept>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -135,16 +134,6 @@ struct Crowd {
   std::vector<Aabb3> all;
   AabbBvh3 bvh;
 };
-
-void RunOnThreads(std::size_t count, const Runner::Part& part) {
-  std::vector<std::thread> threads;
-  for (std::size_t t = 0; t < 3; ++t) {
-    threads.emplace_back([t, count, &part] {
-      for (std::size_t i = t; i < count; i += 3) part(count - 1 - i);
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
-}
 
 // In the same order on any threads. Whatever allocation fails, pairs and events
 // are as before, and the next call returns what it would have.
