@@ -27,6 +27,8 @@ constexpr std::size_t kObjects = 400;
 // More than are converted at a time.
 constexpr std::size_t kQueries = 300;
 
+using Ids = std::vector<std::uint32_t>;
+
 // How records are stored: one after another, with gaps, each column in memory
 // of its own, and as doubles that are no floats.
 enum Form { kRows, kWide, kApart, kDoubles };
@@ -86,28 +88,19 @@ class Records {
   std::vector<float> apart_;
 };
 
-class Random {
- public:
-  explicit Random(std::uint32_t seed) : state_(seed) {}
-  double Number() {
-    return static_cast<double>(random_float(&state_)) * 1.1 - 0.05;
-  }
-  std::uint32_t Below(std::size_t end) {
-    return static_cast<std::uint32_t>(random_float(&state_) *
-                                      static_cast<float>(end));
-  }
+// From -0.05 to 1.05.
+double Number(std::uint32_t* seed) { return random_float(seed) * 1.1 - 0.05; }
+std::uint32_t Below(std::size_t end, std::uint32_t* seed) {
+  return static_cast<std::uint32_t>(random_float(seed) *
+                                    static_cast<float>(end));
+}
 
- private:
-  std::uint32_t state_;
-};
-
-// From -0.05 to 1.05; with a `radius`, the last of each record is not negative.
+// With a `radius`, the last of each record is not negative.
 Records RandomNumbers(std::size_t count, std::size_t values, std::uint32_t seed,
                       double radius = 0) {
-  Random random(seed);
   std::vector<double> numbers(count * values);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    numbers[i] = random.Number();
+    numbers[i] = Number(&seed);
     if (radius != 0 && i % values == values - 1) {
       numbers[i] = radius * std::abs(numbers[i]);
     }
@@ -118,21 +111,22 @@ Records RandomNumbers(std::size_t count, std::size_t values, std::uint32_t seed,
 // Boxes in `dims` dimensions, or octahedra, some of which may be special.
 Records RandomBounds(std::size_t count, std::size_t dims, std::size_t axes,
                      double side, std::uint32_t seed, bool has_special = true) {
-  constexpr double kInf = std::numeric_limits<double>::infinity();
-  Random random(seed);
   std::vector<double> all;
   for (std::size_t i = 0; i < count; ++i) {
     std::vector<double> min(axes);
     std::vector<double> max(axes);
     for (std::size_t k = 0; k < dims; ++k) {
-      min[k] = random.Number();
-      max[k] = min[k] + side * std::abs(random.Number());
+      min[k] = Number(&seed);
+      max[k] = min[k] + side * std::abs(Number(&seed));
       if (axes == dims) continue;
       min[dims] -= max[k];
       max[dims] -= min[k];
     }
     if (has_special && i == 3) min[0] = std::nan("");
-    if (has_special && i == 5) min.assign(axes, kInf), max.assign(axes, -kInf);
+    if (has_special && i == 5) {
+      min.assign(axes, kInfinity);
+      max.assign(axes, -kInfinity);
+    }
     if (has_special && i == 7) std::swap(min[1], max[1]);
     all.insert(all.end(), min.begin(), min.end());
     all.insert(all.end(), max.begin(), max.end());
@@ -140,12 +134,21 @@ Records RandomBounds(std::size_t count, std::size_t dims, std::size_t axes,
   return Records(2 * axes, axes, std::move(all));
 }
 
+// Structs of the floats of each record, from value `first` on.
+template <typename Struct>
+std::vector<Struct> Structs(const Records& records, std::size_t first = 0) {
+  std::vector<Struct> all(records.count());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    memcpy(&all[i], records.row(i) + first, sizeof(Struct));
+  }
+  return all;
+}
+
 // What the two APIs call the same.
 template <typename ViewType>
 struct Kind {
   using View = ViewType;
   using Bound = typename View::Bound;
-  using Query = typename View::Query;
   static constexpr std::size_t kDims = Bound::kDimensions;
   static constexpr std::size_t kAxes = Bound::kAxes;
   static constexpr std::size_t kValues = 2 * kAxes;
@@ -167,27 +170,17 @@ struct Kind {
   static hs_columns Queries(const Records& records, Form form) {
     return Without(records.In(form), 0, kAxes);
   }
-  template <typename Any>
-  static std::vector<Any> All(const Records& records) {
-    std::vector<Any> all(records.count());
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const float* const row = records.row(i);
-      if constexpr (detail::HasMin<Any>)
-        std::copy_n(row, kAxes, all[i].min.begin());
-      if constexpr (detail::HasMax<Any>) {
-        std::copy_n(row + kAxes, kAxes, all[i].max.begin());
-      }
-    }
-    return all;
+  static auto BoundsOf(const Records& records) {
+    return Structs<Bound>(records);
+  }
+  static auto QueriesOf(const Records& records) {
+    return Structs<typename View::Query>(records, kIsSimplex ? kAxes : 0);
   }
   // The maxima of a simplex are infinite.
   static bool IsRecord(const float* record, const Bound& bound) {
     std::array<float, kValues> expected;
     expected.fill(kInfinity);
-    std::copy_n(bound.min.begin(), kAxes, expected.begin());
-    if constexpr (detail::HasMax<Bound>) {
-      std::copy_n(bound.max.begin(), kAxes, expected.begin() + kAxes);
-    }
+    memcpy(expected.data(), &bound, sizeof(bound));
     return memcmp(record, expected.data(), sizeof(expected)) == 0;
   }
 
@@ -200,15 +193,6 @@ struct Kind {
   }
 };
 
-template <typename Shape>
-std::vector<Shape> Shapes(const Records& records) {
-  std::vector<Shape> shapes(records.count());
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    memcpy(&shapes[i], records.row(i), sizeof(Shape));
-  }
-  return shapes;
-}
-
 template <typename List>
 List Sorted(List list) {
   std::sort(list.begin(), list.end());
@@ -220,6 +204,19 @@ Options DefaultsOf(hs_status (*fill)(Options*, std::size_t)) {
   Options options;
   CHECK_OK(fill(&options, sizeof(options)));
   return options;
+}
+
+// The result that a function writes last.
+template <typename Result, typename... Parameters, typename... Arguments>
+Result Get(hs_status (*function)(Parameters...), Arguments... arguments) {
+  Result result{};
+  CHECK_OK(function(arguments..., &result));
+  return result;
+}
+template <typename... Parameters, typename... Arguments>
+std::size_t SizeOf(hs_status (*function)(Parameters...),
+                   Arguments... arguments) {
+  return Get<std::size_t>(function, arguments...);
 }
 
 const char* LastTarget() { return hs_target_name(hs_target_count() - 1); }
@@ -304,7 +301,7 @@ void TestBuilders() {
                         boxes.count = kObjects;
                         BoundBoxes(boxes, rest...);
                       });
-  std::vector<std::uint32_t> corners(3 * kObjects);
+  Ids corners(3 * kObjects);
   std::iota(corners.begin(), corners.end(), 0u);
   CheckBuilder<kDims>(RandomNumbers(kObjects, 3 * kD, 4), kObjects,
                       &hs_bound_triangles,
@@ -313,8 +310,8 @@ void TestBuilders() {
                                        corners, rest...);
                       });
   // Some vertices do not exist.
-  Random random(5);
-  for (std::uint32_t& corner : corners) corner = random.Below(502);
+  std::uint32_t seed = 5;
+  for (std::uint32_t& corner : corners) corner = Below(502, &seed);
   const Records points = RandomNumbers(500, kD, 6);
   CheckBuilder<kDims>(
       points, kObjects,
@@ -328,9 +325,9 @@ void TestBuilders() {
   // Sets of 0 to 2 points, and some that end too late or begin too late.
   std::vector<std::size_t> ends;
   for (std::size_t end = 0; ends.size() < 450;)
-    ends.push_back(end += random.Below(3));
+    ends.push_back(end += Below(3, &seed));
   const Records of_sets = RandomNumbers(ends.back(), kD, 7);
-  for (std::size_t i = 20; i < 450; i += 40) ends[i] = random.Below(600);
+  for (std::size_t i = 20; i < 450; i += 40) ends[i] = Below(600, &seed);
   CheckBuilder<kDims>(
       of_sets, ends.size(),
       [&](hs_kind kind, const hs_columns* columns, auto... rest) {
@@ -349,17 +346,14 @@ void TestScan(int bits, Form form, std::size_t count = kQueries) {
   using Its = Kind<View>;
   const Records objects = Its::Make(kObjects, 0.3, 11);
   const Records queries = Its::Make(count, 0.6, 12);
-  const auto bounds = Its::template All<typename View::Bound>(objects);
+  const auto bounds = Its::BoundsOf(objects);
   const World<View> world{Span<const typename View::Bound>(bounds)};
-  const auto asked = Its::template All<typename View::Query>(queries);
+  const auto asked = Its::QueriesOf(queries);
   const hs_columns of_objects = Its::Objects(objects, form);
   const hs_columns of_queries = Its::Queries(queries, form);
   const hs_scan_config config = scan_config_of(Its::kKind, bits);
-  hs_scan* scan = nullptr;
-  CHECK_OK(hs_scan_create(&config, &of_objects, &scan));
-  std::size_t size = 0;
-  CHECK_OK(hs_scan_size(scan, &size));
-  CHECK(size == kObjects);
+  hs_scan* const scan = Get<hs_scan*>(&hs_scan_create, &config, &of_objects);
+  CHECK(SizeOf(&hs_scan_size, scan) == kObjects);
   for (const auto& [begin, end] :
        {std::pair(std::size_t{0}, SIZE_MAX),
         std::pair(std::size_t{64}, std::size_t{200})}) {
@@ -373,9 +367,9 @@ void TestScan(int bits, Form form, std::size_t count = kQueries) {
     std::vector<std::uint64_t> masks(words * count);
     std::vector<std::size_t> counts(count);
     std::vector<std::size_t> offsets(count + 1);
-    std::vector<std::uint32_t> any(count);
-    std::vector<std::uint32_t> indices(count * kObjects);
-    std::vector<std::uint32_t> of_pairs[2] = {indices, indices};
+    Ids any(count);
+    Ids indices(count * kObjects);
+    Ids of_pairs[2] = {indices, indices};
     std::size_t total = 0;
     CHECK_OK(
         hs_scan_masks(scan, &of_queries, &options, masks.data(), masks.size()));
@@ -384,13 +378,13 @@ void TestScan(int bits, Form form, std::size_t count = kQueries) {
     CHECK_OK(hs_scan_indices(scan, &of_queries, &options, indices.data(),
                              indices.size(), offsets.data(), &total));
     indices.resize(total);
-    std::vector<std::uint32_t> expected;
+    Ids expected;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
     for (std::size_t q = 0; q < count; ++q) {
       std::vector<std::uint64_t> mask(words);
       SurvivorMask(world, asked[q], mask, of_cc);
       CHECK(std::equal(mask.begin(), mask.end(), masks.begin() + q * words));
-      std::vector<std::uint32_t> found(kObjects);
+      Ids found(kObjects);
       found.resize(Survivors(world, asked[q], found, of_cc));
       CHECK(counts[q] == found.size() && offsets[q] == expected.size());
       CHECK(found.empty()
@@ -469,8 +463,7 @@ struct BodyFunctions {
 
 // What a probe found, and after how many calls it stops.
 struct Probed {
-  std::vector<std::vector<std::uint32_t>> ids =
-      std::vector<std::vector<std::uint32_t>>(kQueries);
+  std::vector<Ids> ids = std::vector<Ids>(kQueries);
   std::size_t last_query = 0;
   std::size_t calls = 0;
   std::size_t stop_after = 0;
@@ -497,13 +490,13 @@ void CheckQueries(const World& world, const typename Functions::Handle* handle,
   if (mask != kAll) options.target = LastTarget();
   QueryOptions of_cc;
   of_cc.mask = mask;
-  std::vector<std::vector<std::uint32_t>> expected;
+  std::vector<Ids> expected;
   std::vector<std::size_t> counts(count);
-  std::vector<std::uint32_t> any(count);
+  Ids any(count);
   CHECK_OK(Functions::kCount(handle, &columns, &options, counts.data()));
   CHECK_OK(Functions::kAny(handle, &columns, &options, any.data()));
   for (std::size_t q = 0; q < count; ++q) {
-    std::vector<std::uint32_t> found(CountSurvivors(world, queries[q], of_cc));
+    Ids found(CountSurvivors(world, queries[q], of_cc));
     CHECK(Survivors(world, queries[q], found, of_cc) == found.size());
     CHECK(counts[q] == found.size());
     std::sort(found.begin(), found.end());
@@ -530,7 +523,7 @@ void CheckQueries(const World& world, const typename Functions::Handle* handle,
   std::size_t total = 0;
   CHECK_OK(Functions::kQuery(handle, &columns, &options, nullptr, 0, nullptr,
                              &total));
-  std::vector<std::uint32_t> ids(total);
+  Ids ids(total);
   CHECK_OK(Functions::kQuery(handle, &columns, &options, ids.data(), total,
                              offsets.data(), &total));
   CHECK(offsets[0] == 0 && offsets[count] == total && total == ids.size());
@@ -563,8 +556,8 @@ void CheckNearest(float max_distance, const Call& call, const Nearest& nearest,
     SearchOptions of_cc;
     of_cc.mask = mask;
     options.exclusive = of_cc.exclusive = is_exclusive;
-    std::vector<std::uint32_t> ids(kQueries * kNearest);
-    std::vector<std::uint32_t> without_distances(ids.size());
+    Ids ids(kQueries * kNearest);
+    Ids without_distances(ids.size());
     std::vector<float> distances(ids.size());
     CHECK_OK(
         call(kNearest, max_distance, &options, ids.data(), distances.data()));
@@ -573,7 +566,7 @@ void CheckNearest(float max_distance, const Call& call, const Nearest& nearest,
     CHECK(ids == without_distances &&
           *std::min_element(ids.begin(), ids.end()) != HS_NO_ID);
     for (std::size_t q = 0; q < kQueries; ++q) {
-      std::vector<std::uint32_t> its_ids(kNearest);
+      Ids its_ids(kNearest);
       std::vector<float> its_distances(kNearest);
       const std::size_t found = nearest(q, its_ids, its_distances, of_cc);
       std::fill(its_ids.begin() + found, its_ids.end(), HS_NO_ID);
@@ -612,8 +605,8 @@ void CheckCasts(const Each& each, const First& first, const Cast& cast) {
     of_cc.mask = mask;
     Hits hits;
     Hits expected;
-    std::vector<std::uint32_t> ids(kQueries);
-    std::vector<std::uint32_t> without_ts(kQueries);
+    Ids ids(kQueries);
+    Ids without_ts(kQueries);
     std::vector<float> ts(kQueries);
     CHECK_OK(each(&options, &Hits::AddOne, &hits));
     CHECK_OK(first(&options, ids.data(), ts.data()));
@@ -703,7 +696,7 @@ auto Of(const Function& function, First... first) {
 
 template <typename Functions, typename World>
 void CheckSearches(const World& world, const typename Functions::Handle* handle,
-                   const std::vector<std::uint32_t>& ids) {
+                   const Ids& ids) {
   using View = typename World::View;
   using Its = Kind<View>;
   constexpr int kDims = Its::kDims;
@@ -716,7 +709,7 @@ void CheckSearches(const World& world, const typename Functions::Handle* handle,
                          hs_shape shape, std::uint32_t mask) {
     CheckQueries<Functions>(world, handle, columns, queries, shape, mask);
   };
-  const auto as_bounds = Its::template All<typename View::Query>(bounds);
+  const auto as_bounds = Its::QueriesOf(bounds);
   hs_columns one = Its::Queries(bounds, kRows);
   one.count = 1;
   check(one, as_bounds, HS_SHAPE_BOUND, kAll);
@@ -724,16 +717,16 @@ void CheckSearches(const World& world, const typename Functions::Handle* handle,
     for (Form form : kForms) {
       check(Its::Queries(bounds, form), as_bounds, HS_SHAPE_BOUND, mask);
       if (form == kDoubles) continue;
-      check(points.In(form), Shapes<Point<kDims>>(points), HS_SHAPE_POINT,
+      check(points.In(form), Structs<Point<kDims>>(points), HS_SHAPE_POINT,
             mask);
-      check(spheres.In(form), Shapes<Sphere<kDims>>(spheres), HS_SHAPE_SPHERE,
+      check(spheres.In(form), Structs<Sphere<kDims>>(spheres), HS_SHAPE_SPHERE,
             mask);
-      check(rounded.In(form), Shapes<RoundedBox<kDims>>(rounded),
+      check(rounded.In(form), Structs<RoundedBox<kDims>>(rounded),
             HS_SHAPE_ROUNDED_BOX, mask);
     }
   }
 
-  const auto as_boxes = Shapes<Aabb<kDims>>(boxes);
+  const auto as_boxes = Structs<Aabb<kDims>>(boxes);
   for (Form form : kForms) {
     const hs_columns of_boxes = boxes.In(form);
     CheckNearest(0.05f, Of(Functions::kNearestToBoxes, handle, &of_boxes),
@@ -760,26 +753,26 @@ void CheckSearches(const World& world, const typename Functions::Handle* handle,
   }
 
   // Rays have their motions behind their origins.
-  Random random(25);
+  std::uint32_t seed = 25;
   std::vector<double> numbers;
   std::vector<double> motion_numbers;
   for (std::size_t i = 0; i < kQueries; ++i) {
-    for (int k = 0; k < kDims; ++k) numbers.push_back(random.Number());
+    for (int k = 0; k < kDims; ++k) numbers.push_back(Number(&seed));
     for (int k = 0; k < kDims; ++k)
-      motion_numbers.push_back(random.Number() - 0.5);
+      motion_numbers.push_back(Number(&seed) - 0.5);
     motion_numbers.push_back(i % 2 == 0 ? 1 : kInfinity);
     numbers.insert(numbers.end(), motion_numbers.end() - kDims - 1,
                    motion_numbers.end());
   }
   const Records rays(2 * kDims + 1, 2 * kDims + 1, std::move(numbers));
   const Records motions(kDims + 1, kDims + 1, std::move(motion_numbers));
-  const auto as_rays = Shapes<Ray<kDims>>(rays);
-  const auto as_spheres = Shapes<Sphere<kDims>>(spheres);
+  const auto as_rays = Structs<Ray<kDims>>(rays);
+  const auto as_spheres = Structs<Sphere<kDims>>(spheres);
   struct Motion {
     Point<kDims> direction;
     float max_t;
   };
-  const auto as_motions = Shapes<Motion>(motions);
+  const auto as_motions = Structs<Motion>(motions);
   for (Form form : kForms) {
     const hs_columns of_rays = rays.In(form);
     const hs_columns of_motions = motions.In(form == kDoubles ? kRows : form);
@@ -806,7 +799,7 @@ void CheckSearches(const World& world, const typename Functions::Handle* handle,
   }
 
   if constexpr (!Its::kIsSimplex) {
-    std::vector<std::uint32_t> wanted;
+    Ids wanted;
     for (std::uint32_t id : ids) wanted.push_back(1u << id % 4);
     CheckPairs(
         Of(Functions::kPairsOf, handle, ids.data(), ids.size()),
@@ -828,22 +821,18 @@ void CheckSame(const Bvh<View>& expected, const hs_bvh* bvh) {
   CHECK_OK(hs_bvh_blob(bvh, &blob, &size));
   const Span<const std::byte> its = expected.Blob();
   CHECK(size == its.size() && memcmp(blob, its.data(), size) == 0);
-  CHECK_OK(hs_bvh_size(bvh, &size));
-  CHECK(size == expected.size());
-  CHECK_OK(hs_bvh_bytes(bvh, &size));
-  CHECK(size == expected.bytes());
-  double ratio = 0;
-  CHECK_OK(hs_bvh_cost_ratio(bvh, &ratio));
-  CHECK(ratio == expected.CostRatio());
+  CHECK(SizeOf(&hs_bvh_size, bvh) == expected.size());
+  CHECK(SizeOf(&hs_bvh_bytes, bvh) == expected.bytes());
+  CHECK(Get<double>(&hs_bvh_cost_ratio, bvh) == expected.CostRatio());
   std::array<float, Its::kValues> around{};
   CHECK_OK(hs_bvh_bounds(bvh, around.data()));
   CHECK(Its::IsRecord(around.data(), expected.Bounds()));
-  CHECK_OK(hs_bvh_id_limit(bvh, &size));
+  size = SizeOf(&hs_bvh_id_limit, bvh);
   CHECK(size == expected.id_limit());
   std::vector<float> records(size * Its::kValues + 1, 7);
   CHECK_OK(hs_bvh_get_all(bvh, records.data(), size + 9));
   CHECK(records.back() == 7);
-  std::vector<std::uint32_t> ids;
+  Ids ids;
   for (std::uint32_t id = 0; id < size; ++id) {
     const float* const record = records.data() + id * Its::kValues;
     if (expected.Has(id)) {
@@ -867,7 +856,7 @@ void TestBvh() {
   using Its = Kind<View>;
   using Bound = typename View::Bound;
   const Records objects = Its::Make(kObjects, 0.2, 31);
-  const auto bounds = Its::template All<Bound>(objects);
+  const auto bounds = Its::BoundsOf(objects);
   for (hs_quality quality : {HS_QUALITY_HIGH, HS_QUALITY_FAST}) {
     hs_bvh_config config = bvh_config_of(Its::kKind);
     config.quality = quality;
@@ -898,11 +887,11 @@ void TestBvh() {
     std::uint32_t seed = 40;
     for (Form form : kForms) {
       const Records some = Its::Make(100, 0.2, ++seed);
-      const auto their_bounds = Its::template All<Bound>(some);
+      const auto their_bounds = Its::BoundsOf(some);
       const Span<const Bound> span(their_bounds);
       const hs_columns columns = Its::Objects(some, form);
-      std::vector<std::uint32_t> ids(100);
-      std::vector<std::uint32_t> its_ids(100);
+      Ids ids(100);
+      Ids its_ids(100);
       CHECK_OK(hs_bvh_insert(bvh, &columns, ids.data()));
       expected.Insert(span, its_ids);
       CHECK(ids == its_ids);
@@ -912,7 +901,7 @@ void TestBvh() {
       CHECK_OK(hs_bvh_insert_as(bvh, ids.data(), &columns));
       expected.InsertAs(ids, span);
       CheckSame(expected, bvh);
-      std::vector<std::uint32_t> masks;
+      Ids masks;
       for (std::uint32_t& id : ids) {
         id -= 300;
         masks.push_back(1u << id % 4);
@@ -928,7 +917,7 @@ void TestBvh() {
       const Records all = Its::Make(expected.id_limit(), 0.2, ++seed);
       const hs_columns of_all = Its::Objects(all, form);
       CHECK_OK(hs_bvh_refit(bvh, &of_all, nullptr, nullptr));
-      const auto all_bounds = Its::template All<Bound>(all);
+      const auto all_bounds = Its::BoundsOf(all);
       expected.Refit(Span<const Bound>(all_bounds));
       CheckSame(expected, bvh);
     }
@@ -938,7 +927,7 @@ void TestBvh() {
     CHECK_OK(hs_bvh_rebuild(bvh, &config));
     expected.Rebuild(build);
     CheckSame(expected, bvh);
-    std::vector<std::uint32_t> masks;
+    Ids masks;
     for (std::uint32_t id = 0; id < expected.id_limit(); ++id)
       masks.push_back(1u << id % 5);
     CHECK_OK(hs_bvh_set_all_masks(bvh, masks.data(), masks.size()));
@@ -949,15 +938,13 @@ void TestBvh() {
       continue;
     }
 
-    std::vector<std::uint32_t> set;
+    Ids set;
     for (std::uint32_t id = 0; id < 300; id += 2) {
       if (expected.Has(id)) set.push_back(id);
     }
     CheckSearches<BvhFunctions>(expected, bvh, set);
     if constexpr (!Its::kIsSimplex) {
-      std::size_t parts = 0;
-      CHECK_OK(hs_bvh_pair_parts(bvh, &parts));
-      CHECK(parts == PairParts(expected));
+      CHECK(SizeOf(&hs_bvh_pair_parts, bvh) == PairParts(expected));
       CheckPairs(Of(&hs_bvh_pairs, bvh), Of(&hs_bvh_pairs_each, bvh),
                  [&](Span<IdPair> pairs, const PairOptions& options) {
                    return Pairs(expected, pairs, options);
@@ -994,15 +981,10 @@ void TestQueryOfDoubles() {
   const hs_columns asked = Its::Queries(query, kDoubles);
   const hs_bvh_config config = bvh_config_of(Its::kKind);
   const hs_scan_config of_scan = scan_config_of(Its::kKind, 0);
-  hs_bvh* bvh = nullptr;
-  hs_scan* scan = nullptr;
-  std::size_t count = 0;
-  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
-  CHECK_OK(hs_bvh_count(bvh, &asked, nullptr, &count));
-  CHECK(count == 2);
-  CHECK_OK(hs_scan_create(&of_scan, &columns, &scan));
-  CHECK_OK(hs_scan_counts(scan, &asked, nullptr, &count));
-  CHECK(count == 2);
+  hs_bvh* const bvh = Get<hs_bvh*>(&hs_bvh_create, &config, &columns);
+  hs_scan* const scan = Get<hs_scan*>(&hs_scan_create, &of_scan, &columns);
+  CHECK(SizeOf(&hs_bvh_count, bvh, &asked, nullptr) == 2);
+  CHECK(SizeOf(&hs_scan_counts, scan, &asked, nullptr) == 2);
   hs_scan_destroy(scan);
   hs_bvh_destroy(bvh);
 }
@@ -1012,15 +994,12 @@ template <int kDims>
 void TestNearestOthers() {
   using Its = Kind<AabbView<kDims>>;
   const Records objects = Its::Make(kObjects, 0.01, 35);
-  const auto boxes = Its::template All<Aabb<kDims>>(objects);
+  const auto boxes = Its::BoundsOf(objects);
   const Bvh<AabbView<kDims>> expected{Span<const Aabb<kDims>>(boxes)};
   const hs_bvh_config config = bvh_config_of(Its::kKind);
   hs_columns columns = objects.In(kRows);
-  hs_bvh* bvh = nullptr;
-  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
-  for (std::size_t v = 0; v < Its::kValues; ++v)
-    columns.column[v] = objects.row(8) + v;
-  columns.count = kQueries;
+  hs_bvh* const bvh = Get<hs_bvh*>(&hs_bvh_create, &config, &columns);
+  columns = hs_float_rows(objects.row(8), kQueries, Its::kValues);
   CheckNearest(
       0.05f, Of(&hs_bvh_nearest_to_boxes, bvh, &columns),
       [&](std::size_t q, auto& ids, auto& distances, const auto& options) {
@@ -1050,24 +1029,22 @@ void TestPairEvents() {
   using Its = Kind<View>;
   using Bound = typename View::Bound;
   const Records first = Its::Make(kObjects, 0.1, 80);
-  const auto bounds = Its::template All<Bound>(first);
+  const auto bounds = Its::BoundsOf(first);
   Bvh<View> world{Span<const Bound>(bounds)};
   PairEvents expected;
   const hs_bvh_config config = bvh_config_of(Its::kKind);
   const hs_columns columns = first.In(kRows);
-  hs_bvh* bvh = nullptr;
-  hs_pair_events* events = nullptr;
-  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
-  CHECK_OK(hs_pair_events_create(nullptr, &events));
-  Random random(81);
+  hs_bvh* const bvh = Get<hs_bvh*>(&hs_bvh_create, &config, &columns);
+  auto* const events = Get<hs_pair_events*>(&hs_pair_events_create, nullptr);
+  std::uint32_t seed = 81;
   for (std::uint32_t frame = 0; frame < 12; ++frame) {
-    std::vector<std::uint32_t> changed;
+    Ids changed;
     for (int i = 0; i < 40; ++i) {
-      const std::uint32_t id = random.Below(world.id_limit());
+      const std::uint32_t id = Below(world.id_limit(), &seed);
       if (world.Has(id)) changed.push_back(id);
     }
     const Records some = Its::Make(changed.size(), 0.1, 90 + frame);
-    const auto its = Its::template All<Bound>(some);
+    const auto its = Its::BoundsOf(some);
     const hs_columns moved = some.In(kRows);
     world.Set(changed, Span<const Bound>(its));
     CHECK_OK(hs_bvh_set(bvh, changed.data(), &moved));
@@ -1118,40 +1095,44 @@ bool KeepNoSevens(void* context, std::uint32_t a, std::uint32_t b,
 }
 
 template <typename View>
-void CheckSame(const BroadPhase<View>& expected, const hs_broad_phase* bodies) {
-  using Its = Kind<View>;
+std::vector<std::byte> BytesOf(const BroadPhase<View>& bodies) {
   std::vector<std::byte> bytes;
-  expected.Save([&](Span<const std::byte> piece) {
+  bodies.Save([&](Span<const std::byte> piece) {
     bytes.insert(bytes.end(), piece.begin(), piece.end());
   });
-  std::size_t size = 0;
-  CHECK_OK(hs_broad_phase_save(bodies, nullptr, 0, &size));
-  CHECK(size == bytes.size());
-  std::vector<std::byte> saved(size + 1, std::byte{7});
-  CHECK_OK(hs_broad_phase_save(bodies, saved.data(), size / 2, &size));
-  CHECK(size == bytes.size() && saved[size / 2] == std::byte{7});
-  CHECK_OK(hs_broad_phase_save(bodies, saved.data(), size, &size));
-  CHECK(std::equal(bytes.begin(), bytes.end(), saved.begin()) &&
-        saved.back() == std::byte{7});
-  CHECK_OK(hs_broad_phase_size(bodies, &size));
-  CHECK(size == expected.size());
+  return bytes;
+}
+// Nothing is written beyond the room.
+std::vector<std::byte> BytesOf(const hs_broad_phase* bodies) {
+  const std::size_t size = SizeOf(&hs_broad_phase_save, bodies, nullptr, 0);
+  std::vector<std::byte> bytes(size + 1, std::byte{7});
+  for (const std::size_t room : {size / 2, size}) {
+    CHECK(SizeOf(&hs_broad_phase_save, bodies, bytes.data(), room) == size);
+    CHECK(bytes[room] == std::byte{7});
+  }
+  bytes.pop_back();
+  return bytes;
+}
+
+template <typename View>
+void CheckSame(const BroadPhase<View>& expected, const hs_broad_phase* bodies) {
+  using Its = Kind<View>;
+  CHECK(BytesOf(bodies) == BytesOf(expected));
+  CHECK(SizeOf(&hs_broad_phase_size, bodies) == expected.size());
   std::array<float, Its::kValues> around{};
   CHECK_OK(hs_broad_phase_bounds(bodies, around.data()));
   CHECK(Its::IsRecord(around.data(), expected.Bounds()));
-  int is_valid = 0;
-  CHECK_OK(hs_broad_phase_validate(bodies, &is_valid));
-  CHECK(is_valid == 1);
+  CHECK(Get<int>(&hs_broad_phase_validate, bodies) == 1);
   hs_body_statistics found;
   CHECK_OK(hs_broad_phase_statistics(bodies, &found, sizeof(found)));
   const BroadPhaseStatistics its = expected.Statistics();
   CHECK(found.bodies == its.bodies && found.pairs == its.pairs);
   CHECK(found.bytes == its.bytes && found.cost_ratio == its.cost_ratio);
-  CHECK_OK(hs_broad_phase_id_limit(bodies, &size));
-  CHECK(size == expected.id_limit());
-  std::vector<std::uint32_t> ids;
-  for (std::uint32_t id = 0; id < size + 2; ++id) {
-    int has = 2;
-    CHECK_OK(hs_broad_phase_has(bodies, id, &has));
+  const std::size_t limit = SizeOf(&hs_broad_phase_id_limit, bodies);
+  CHECK(limit == expected.id_limit());
+  Ids ids;
+  for (std::uint32_t id = 0; id < limit + 2; ++id) {
+    const int has = Get<int>(&hs_broad_phase_has, bodies, id);
     CHECK(has == (expected.Has(id) ? 1 : 0));
     if (has == 1) ids.push_back(id);
   }
@@ -1174,7 +1155,6 @@ void CheckSame(const BroadPhase<View>& expected, const hs_broad_phase* bodies) {
 template <typename View>
 void TestBroadPhase(bool moves_wait) {
   using Its = Kind<View>;
-  using Bound = typename View::Bound;
   int context = 77;
   auto config = DefaultsOf(&hs_broad_phase_config_default);
   config.kind = Its::kKind;
@@ -1187,12 +1167,11 @@ void TestBroadPhase(bool moves_wait) {
   options.moves_wait_for_update = moves_wait;
   options.caller_locks = !moves_wait;
   BroadPhase<View> expected(options);
-  hs_broad_phase* bodies = nullptr;
-  CHECK_OK(hs_broad_phase_create(&config, &bodies));
+  auto* bodies = Get<hs_broad_phase*>(&hs_broad_phase_create, &config);
   std::uint32_t seed = 50;
   for (Form form : kForms) {
     const std::uint32_t first = 400u * static_cast<std::uint32_t>(form);
-    std::vector<std::uint32_t> ids;
+    Ids ids;
     std::vector<BodyMasks> masks;
     std::vector<hs_body_masks> of_c;
     for (std::uint32_t i = 0; i < 200; ++i) {
@@ -1201,7 +1180,7 @@ void TestBroadPhase(bool moves_wait) {
       of_c.push_back({masks.back().category, masks.back().collides_with});
     }
     const Records some = Its::Make(ids.size(), 0.15, ++seed);
-    const auto bounds = Its::template All<Bound>(some);
+    const auto bounds = Its::BoundsOf(some);
     const hs_columns columns = some.In(form);
     const bool has_masks = form != kWide;
     CHECK_OK(hs_broad_phase_insert(bodies, ids.data(), &columns,
@@ -1221,7 +1200,7 @@ void TestBroadPhase(bool moves_wait) {
     const Records moved = Its::Make(ids.size(), 0.15, ++seed);
     const hs_columns of_moved = moved.In(form);
     CHECK_OK(hs_broad_phase_move(bodies, ids.data(), &of_moved));
-    expected.Move(ids, Its::template All<Bound>(moved));
+    expected.Move(ids, Its::BoundsOf(moved));
     std::vector<std::size_t> counts(some.count());
     CHECK_OK(hs_broad_phase_count(bodies, &columns, nullptr, counts.data()));
     for (std::size_t q = 0; q < counts.size(); ++q) {
@@ -1239,34 +1218,24 @@ void TestBroadPhase(bool moves_wait) {
     CHECK(!expected.began().empty() && !expected.ended().empty());
 
     // A copy, and a loaded one in the next forms.
-    hs_broad_phase* other = nullptr;
-    if (form == kRows) {
-      CHECK_OK(hs_broad_phase_copy(bodies, &other));
-    } else {
-      std::size_t size = 0;
-      CHECK_OK(hs_broad_phase_save(bodies, nullptr, 0, &size));
-      std::vector<std::byte> saved(size);
-      CHECK_OK(hs_broad_phase_save(bodies, saved.data(), size, &size));
-      CHECK_OK(hs_broad_phase_create(&config, &other));
-      CHECK_OK(hs_broad_phase_load(other, saved.data(), size));
-    }
-    hs_broad_phase_destroy(bodies);
-    bodies = other;
+    auto* const other =
+        form == kRows ? Get<hs_broad_phase*>(&hs_broad_phase_copy, bodies)
+                      : Get<hs_broad_phase*>(&hs_broad_phase_create, &config);
     // Its memory can differ.
     BroadPhase<View> copy(options);
     if (form == kRows) {
       copy = expected;
     } else {
-      std::vector<std::byte> bytes;
-      expected.Save([&](Span<const std::byte> piece) {
-        bytes.insert(bytes.end(), piece.begin(), piece.end());
-      });
+      const std::vector<std::byte> bytes = BytesOf(bodies);
+      CHECK_OK(hs_broad_phase_load(other, bytes.data(), bytes.size()));
       copy.Load(bytes);
     }
+    hs_broad_phase_destroy(bodies);
+    bodies = other;
     expected = std::move(copy);
     CheckSame(expected, bodies);
   }
-  std::vector<std::uint32_t> set;
+  Ids set;
   for (std::uint32_t id = 0; id < 600; id += 3) {
     if (expected.Has(id)) set.push_back(id);
   }
@@ -1281,25 +1250,25 @@ void TestBroadPhase(bool moves_wait) {
 void TestTriangles() {
   constexpr std::size_t kTriangles = 3000;
   constexpr std::size_t kRays = 100;
-  Random random(90);
+  std::uint32_t seed = 90;
   std::vector<double> numbers;
   for (std::size_t i = 0; i < 9 * kTriangles; ++i) {
     const std::size_t corner = i / 9 * 9;
     numbers.push_back(i / 9 % 10 == 9 ? numbers[i - 9]
                       : i - corner < 3
-                          ? random.Number()
-                          : numbers[corner + i % 3] + 0.1 * random.Number());
+                          ? Number(&seed)
+                          : numbers[corner + i % 3] + 0.1 * Number(&seed));
   }
   const Records triangles(9, 9, std::move(numbers));
   numbers.clear();
   for (std::size_t i = 0; i < 7 * kRays; ++i) {
     numbers.push_back(i % 7 == 6  ? (i % 4 == 0 ? 0.5 : kInfinity)
-                      : i % 7 < 3 ? random.Number()
-                                  : random.Number() - 0.5);
+                      : i % 7 < 3 ? Number(&seed)
+                                  : Number(&seed) - 0.5);
   }
   const Records rays(7, 7, std::move(numbers));
-  const auto all = Shapes<Triangle<3>>(triangles);
-  const auto as_rays = Shapes<Ray<3>>(rays);
+  const auto all = Structs<Triangle<3>>(triangles);
+  const auto as_rays = Structs<Ray<3>>(rays);
   std::vector<std::pair<std::size_t, std::uint32_t>> hits;
   std::vector<std::pair<float, std::uint32_t>> first;
   std::vector<std::pair<float, std::uint32_t>> closest;
@@ -1327,7 +1296,7 @@ void TestTriangles() {
     hs_bvh* bvh = nullptr;
     CHECK_OK(hs_bvh_create(&config, &objects, &bvh));
     hs_query_options options = DefaultsOf(&hs_query_options_default);
-    std::vector<std::uint32_t> ids(kRays);
+    Ids ids(kRays);
     std::vector<float> values(kRays);
     const auto are = [&](const auto& expected) {
       for (std::size_t i = 0; i < kRays; ++i) {

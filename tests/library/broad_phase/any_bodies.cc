@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "halfspace/error.h"
 #include "tests/library/bvh/searches_of.h"
 
 namespace halfspace::testing {
@@ -131,6 +132,28 @@ PairList BodyModel::Pairs() const {
     }
   }
   return pairs;
+}
+
+bool LoadAltered(const Layout& layout, const std::vector<std::byte>& bytes) {
+  const auto bodies = MakeBodies(layout);
+  bodies->Insert({8}, {EmptyOf(layout)}, {});
+  try {
+    bodies->Load(bytes);
+  } catch (const Error&) {
+    EXPECT_TRUE(bodies->Has(8) && bodies->size() == 1);
+    return false;
+  }
+  const Planes everything = AllPlanes(layout, kMost);
+  const Shape all{Shape::kBound, {everything.begin(), everything.end()}};
+  Ids ids(bodies->size());
+  ids.resize(std::min(bodies->Find(all, ids, {}, 0), ids.size()));
+  std::erase_if(ids, [&](std::uint32_t id) { return !bodies->Has(id); });
+  (void)bodies->Validate();
+  bodies->Move(ids, std::vector<Planes>(ids.size(), EverythingOf(layout)));
+  bodies->UpdatePairs({});
+  bodies->Rebuild({});
+  bodies->Erase(ids);
+  return true;
 }
 
 void ExpectAnswers(const AnyBodies& bodies, const BodyModel& model,

@@ -5,9 +5,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -51,6 +51,24 @@ std::unique_ptr<AnyBodies> MakeBodies(const Layout& layout,
 // The bytes of Save().
 std::vector<std::byte> BytesOf(const AabbBroadPhase3& bodies);
 
+// By their names, for bodies 0 to 99.
+using NamedCalls = std::vector<std::pair<const char*, std::function<void()>>>;
+inline NamedCalls CallsThatRunAlone(AabbBroadPhase3& bodies) {
+  return {
+      {"Insert", [&] { bodies.Insert(100, Aabb3{}); }},
+      {"Erase", [&] { bodies.Erase(2); }},
+      {"SetMasks", [&] { bodies.SetMasks(1, {}); }},
+      {"Update", [&] { bodies.Update(); }},
+      {"Rebuild", [&] { bodies.Rebuild(); }},
+      {"UpdatePairs", [&] { bodies.UpdatePairs(); }},
+      {"Load", [&, bytes = BytesOf(bodies)] { bodies.Load(bytes); }},
+      {"Save", [&] { (void)BytesOf(bodies); }},
+      {"BroadPhase", [&] { const AabbBroadPhase3 copy(bodies); }},
+      {"Validate", [&] { (void)bodies.Validate(); }},
+      {"Statistics", [&] { (void)bodies.Statistics(); }},
+  };
+}
+
 struct BodyModel {
   struct Body {
     Planes bound;
@@ -93,6 +111,10 @@ inline bool KeepsSome(void* /*context*/, std::uint32_t a, std::uint32_t b,
   return (a + b) % 8 == 0 ? !masks_match : masks_match;
 }
 
+// Loads bytes that may be wrong. They are refused, of which nothing changes, or
+// do no harm to the calls of the broad phase. Returns whether they were taken.
+bool LoadAltered(const Layout& layout, const std::vector<std::byte>& bytes);
+
 // Answers of all kinds, chosen by a seed, and what is stored of each body.
 void ExpectAnswers(const AnyBodies& bodies, const BodyModel& model,
                    std::uint64_t seed);
@@ -104,29 +126,6 @@ void ExpectIsModel(const AabbBroadPhase3& bodies, BodyModel& model,
 // Two broad phases answer the same, in the same order.
 void ExpectSameOrder(const AnyBodies& a, const AnyBodies& b,
                      std::uint64_t seed);
-
-// The pairs that the events of UpdatePairs() add up to.
-class PairsByEvents {
- public:
-  template <typename View>
-  void Add(const BroadPhase<View>& bodies) {
-    for (const IdPair& pair : bodies.ended()) {
-      is_right_ &= pairs_.erase({pair.a, pair.b}) == 1;
-    }
-    for (const IdPair& pair : bodies.began()) {
-      is_right_ &= pairs_.emplace(pair.a, pair.b).second;
-    }
-  }
-
-  PairList pairs() const {
-    EXPECT_TRUE(is_right_) << "a pair began or ended twice";
-    return {pairs_.begin(), pairs_.end()};
-  }
-
- private:
-  bool is_right_ = true;
-  std::set<std::pair<std::uint32_t, std::uint32_t>> pairs_;
-};
 
 }  // namespace halfspace::testing
 

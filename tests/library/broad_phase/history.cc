@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -23,19 +25,37 @@ Ids Either(const Ids& a, const Ids& b) {
   return either;
 }
 
-void RunBackwards(std::size_t parts, const Runner::Part& part) {
-  while (parts-- > 0) part(parts);
+// What is stored of the bodies, and their pairs.
+Ids StateOf(const AnyBodies& bodies) {
+  const Planes everything = AllPlanes(bodies.layout, kInf);
+  const Shape all{Shape::kBound, {everything.begin(), everything.end()}};
+  Ids ids(bodies.size());
+  EXPECT_EQ(bodies.Find(all, ids, {}, 0), ids.size());
+  Ids state = ids = InOrder(ids);
+  for (const std::uint32_t id : ids) {
+    for (const float value : bodies.Get(id)) {
+      state.push_back(std::bit_cast<std::uint32_t>(value));
+    }
+    const BodyMasks masks = bodies.MasksOf(id);
+    state.insert(state.end(), {masks.category, masks.collides_with});
+  }
+  for (const auto& [a, b] : InOrder(bodies.pairs(), false)) {
+    state.insert(state.end(), {a, b});
+  }
+  return state;
 }
 
 }  // namespace
 
 BodyHistory::BodyHistory(const Layout& layout, Choices& choices,
                          std::size_t most_bodies, std::uint32_t stride,
-                         const BroadPhaseOptions& options, FpMode mode)
+                         const BroadPhaseOptions& options, FpMode mode,
+                         CountingMemory* memory)
     : choices_(choices),
       most_bodies_(most_bodies),
       stride_(stride),
-      mode_(mode) {
+      mode_(mode),
+      memory_(memory) {
   all_.push_back(MakeBodies(layout, options));
   model_.layout = layout;
   model_.moves_wait = options.moves_wait_for_update;
@@ -45,6 +65,13 @@ BodyHistory::BodyHistory(const Layout& layout, Choices& choices,
 void BodyHistory::Watch::Add(const Ids& found) {
   always = Both(always, found);
   ever = Either(ever, found);
+}
+
+void BodyHistory::Try(const AnyBodies& bodies,
+                      const std::function<void()>& call) {
+  if (memory_ == nullptr) return RunIn(mode_, call);
+  const Ids before = StateOf(bodies);
+  FailuresOf(*memory_, call, [&] { EXPECT_EQ(StateOf(bodies), before); });
 }
 
 void BodyHistory::Insert(std::size_t count) {
@@ -98,22 +125,25 @@ std::size_t BodyHistory::Change() {
     if (choices_.Below(2) == 0) {
       update.budget = choices_.Below(2 * most_bodies_);
     }
-    auto run = RunBackwards;
+    auto run = RunOnThreads;
     update.run = run;
     model_.Update();
     Each([&](AnyBodies& bodies) { bodies.Update(update); });
   } else if (what == 11) {
     model_.Update();
-    Each([&](AnyBodies& bodies) { bodies.Rebuild(&RunBackwards); });
+    Each([&](AnyBodies& bodies) { bodies.Rebuild(&RunOnThreads); });
   } else if (what < 14) {
     UpdatePairs();
   } else if (what < 16) {  // From now on there is another one.
     model_.Update();
     all_.resize(1);
-    const std::vector<std::byte> bytes = bodies().Save();
-    all_.push_back(bodies().Copy());
+    std::vector<std::byte> bytes;
+    std::unique_ptr<AnyBodies> copy;
+    Try(bodies(), [&] { bytes = bodies().Save(); });
+    Try(bodies(), [&] { copy = bodies().Copy(); });
+    all_.push_back(std::move(copy));
     if (what == 15) {
-      all_[1]->Load(bytes);
+      Try(*all_[1], [&] { all_[1]->Load(bytes); });
       // Events are those of the next UpdatePairs() on.
       UpdatePairs();
     }
@@ -156,7 +186,7 @@ void BodyHistory::UpdatePairs() {
   bool is_first = true;
   Each([&](AnyBodies& bodies) {
     bodies.UpdatePairs(std::exchange(is_first, false) ? Runner()
-                                                      : Runner(&RunBackwards));
+                                                      : Runner(&RunOnThreads));
   });
   PairList pairs = PairsFrom(bodies().pairs());
   std::sort(pairs.begin(), pairs.end());

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -15,10 +16,11 @@ namespace halfspace::testing {
 
 class BodyHistory {
  public:
-  // Ids are multiples of `stride`.
+  // Ids are multiples of `stride`. With `memory`, which the options have, each
+  // change is tried with less memory than it needs, which changes nothing.
   BodyHistory(const Layout& layout, Choices& choices, std::size_t most_bodies,
               std::uint32_t stride, const BroadPhaseOptions& options,
-              FpMode mode = FpMode::kDefault);
+              FpMode mode = FpMode::kDefault, CountingMemory* memory = nullptr);
 
   const AnyBodies& bodies() const { return *all_[0]; }
   const BodyModel& model() const { return model_; }
@@ -43,8 +45,9 @@ class BodyHistory {
 
   template <typename Call>
   void Each(const Call& call) {
-    for (auto& bodies : all_) RunIn(mode_, [&] { call(*bodies); });
+    for (auto& bodies : all_) Try(*bodies, [&] { call(*bodies); });
   }
+  void Try(const AnyBodies& bodies, const std::function<void()>& call);
   Ids Found(const Watch& watch) const;
   void UpdatePairs();
   void QueryAndMove(std::size_t depth);
@@ -54,6 +57,7 @@ class BodyHistory {
   std::size_t most_bodies_;
   std::uint32_t stride_;
   FpMode mode_;
+  CountingMemory* memory_;
   std::vector<std::unique_ptr<AnyBodies>> all_;  // the first, and a copy of it
   BodyModel model_;
   PairList pairs_;

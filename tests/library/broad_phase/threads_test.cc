@@ -6,8 +6,8 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <mutex>
+#include <set>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -15,6 +15,7 @@
 #include "halfspace/error.h"
 #include "halfspace/halfspace.h"
 #include "tests/library/broad_phase/any_bodies.h"
+#include "tests/library/bvh/history.h"
 #include "tests/library/support/environment.h"
 
 namespace halfspace::testing {
@@ -217,8 +218,7 @@ class BroadPhaseThreads {
           bodies_.Update();
       }
       if (i % 4 == 0) {
-        bodies_.UpdatePairs();
-        pairs_.Add(bodies_);
+        UpdatePairs();
       }
       std::this_thread::yield();
     }
@@ -232,13 +232,22 @@ class BroadPhaseThreads {
       model.Insert(id, PlanesOf(PlaceOf(id, is_second_[id])),
                    bodies_.MasksOf(id));
     }
-    bodies_.UpdatePairs();
-    pairs_.Add(bodies_);
-    EXPECT_EQ(pairs_.pairs(), model.Pairs());
+    UpdatePairs();
+    EXPECT_EQ(PairList(pairs_.begin(), pairs_.end()), model.Pairs());
     ExpectIsModel(bodies_, model, 5);
   }
 
  private:
+  void UpdatePairs() {
+    bodies_.UpdatePairs();
+    for (const IdPair& pair : bodies_.ended()) {
+      complaints_.Check(pairs_.erase({pair.a, pair.b}) == 1, "ended twice");
+    }
+    for (const IdPair& pair : bodies_.began()) {
+      complaints_.Check(pairs_.emplace(pair.a, pair.b).second, "began twice");
+    }
+  }
+
   void Check(const AabbBroadPhase3& copy) {
     for (std::uint32_t id = 0; id < kAllIds; ++id) {
       complaints_.Check(id >= kChanging || copy.Has(id), "not copied");
@@ -319,7 +328,7 @@ class BroadPhaseThreads {
   // Each written by the thread that has the id.
   std::array<bool, kAllIds> is_second_{};
   std::array<bool, kAllIds> is_there_{};
-  PairsByEvents pairs_;  // of the updater
+  std::set<std::pair<std::uint32_t, std::uint32_t>> pairs_;  // by the events
   std::mutex engine_;
   Complaints complaints_;
 };
@@ -390,20 +399,7 @@ TEST(BroadPhaseThreadsTest, CallsThatRunAloneWaitForQueries) {
   for (std::uint32_t id = 0; id < 100; ++id) {
     bodies.Insert(id, PlaceOf(id, false));
   }
-  const std::vector<std::byte> bytes = BytesOf(bodies);
-  const std::function<void()> calls[] = {
-      [&] { bodies.Insert(100, PlaceOf(100, false)); },
-      [&] { bodies.Erase(100); },
-      [&] { bodies.SetMasks(1, {.category = 2}); },
-      [&] { bodies.Update(); },
-      [&] { bodies.Rebuild(); },
-      [&] { bodies.UpdatePairs(); },
-      [&] { bodies.Load(bytes); },
-      [&] { (void)BytesOf(bodies); },
-      [&] { const AabbBroadPhase3 copy(bodies); },
-      [&] { (void)bodies.Statistics(); },
-      [&] { (void)bodies.Validate(); }};
-  for (const auto& call : calls) {
+  for (const auto& named : CallsThatRunAlone(bodies)) {
     std::atomic<bool> has_begun{false};
     std::atomic<bool> has_ended{false};
     std::thread other;
@@ -411,7 +407,7 @@ TEST(BroadPhaseThreadsTest, CallsThatRunAloneWaitForQueries) {
       if (other.joinable()) return;
       other = std::thread([&] {
         has_begun.store(true);
-        call();
+        named.second();
         has_ended.store(true);
       });
       while (!has_begun.load()) std::this_thread::yield();
@@ -473,15 +469,7 @@ bool KeepsSome(void* context, std::uint32_t a, std::uint32_t b, bool is_kept) {
 
 // Enough bodies for several parts.
 TEST(BroadPhaseThreadsTest, EventsDoNotDependOnTheRunner) {
-  const Runner on_two = [](std::size_t parts, const Runner::Part& part) {
-    std::atomic<std::size_t> next{0};
-    const auto run = [&] {
-      for (std::size_t i = next++; i < parts; i = next++) part(i);
-    };
-    std::thread other(run);
-    run();
-    other.join();
-  };
+  auto run = RunOnThreads;
   std::vector<std::vector<IdPair>> events(2);
   for (std::size_t r = 0; r < 2; ++r) {
     std::atomic<std::size_t> calls{0};
@@ -504,7 +492,7 @@ TEST(BroadPhaseThreadsTest, EventsDoNotDependOnTheRunner) {
       for (std::uint32_t id = 0; id < kCount; ++id) {
         bodies.Move(id, box_of(id, step));
       }
-      bodies.UpdatePairs(r == 0 ? Runner() : on_two);
+      bodies.UpdatePairs(r == 0 ? Runner() : Runner(run));
       for (const auto& list : {bodies.began(), bodies.ended()}) {
         events[r].insert(events[r].end(), list.begin(), list.end());
       }

@@ -73,10 +73,10 @@ inline void ChangeAltered(AnyBvh& world, std::size_t what, const Planes& bound,
     case 6: {
       BoundList all = several(1500);
       if (id % 2 == 0) all.doubles.resize(1500);
-      return world.Refit(all);
+      return world.Refit(all, {});
     }
     case 7:
-      return world.RefitInOrder(several(world.tree().ids().size()));
+      return world.RefitInOrder(several(world.tree().ids().size()), {});
     case 8:
       (void)world.Get(id);
       return;

@@ -5,7 +5,6 @@
 #include <cstdlib>
 #include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "tests/library/bvh/searches_of.h"
@@ -42,22 +41,6 @@ class BvhOf final : public SearchesOf<AnyBvh, Bvh<View>> {
       }
     }
     CountSurvivorsOfEach(world_, queries, counts, options);
-  }
-  void NearestEach(std::span<const Place> places, std::size_t k,
-                   Span<std::uint32_t> ids, Span<float> distances,
-                   float max_distance,
-                   const SearchOptions& options) const override {
-    std::vector<Point<kDims>> points;
-    std::vector<Aabb<kDims>> boxes;
-    for (const Place& place : places) {
-      points.push_back(Base::PointOf(place.min));
-      boxes.push_back(Base::BoxOf(place));
-    }
-    if (places[0].is_point) {
-      KNearestOfEach(world_, points, k, ids, distances, max_distance, options);
-    } else {
-      KNearestOfEach(world_, boxes, k, ids, distances, max_distance, options);
-    }
   }
   void ForEachNearest(const Corner& point, float max_distance,
                       const Searches::OnHit& function,
@@ -137,11 +120,11 @@ class BvhOf final : public SearchesOf<AnyBvh, Bvh<View>> {
   }
   void EraseOne(std::uint32_t id) override { world_.Erase(id); }
   void Erase(Span<const std::uint32_t> ids) override { world_.Erase(ids); }
-  void Refit(const BoundList& by_id) override {
-    With(by_id, [&](const auto& list) { world_.Refit(list); });
+  void Refit(const BoundList& by_id, const Runner& run) override {
+    With(by_id, [&](const auto& list) { world_.Refit(list, run); });
   }
-  void RefitInOrder(const BoundList& bounds) override {
-    With(bounds, [&](const auto& list) { world_.RefitInOrder(list); });
+  void RefitInOrder(const BoundList& bounds, const Runner& run) override {
+    With(bounds, [&](const auto& list) { world_.RefitInOrder(list, run); });
   }
   void RefitSome(Span<const std::uint32_t> ids,
                  const BoundList& by_id) override {

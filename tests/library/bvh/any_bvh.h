@@ -138,6 +138,10 @@ class Searches {
   virtual std::size_t Nearest(const Place& place, Span<std::uint32_t> ids,
                               Span<float> distances, float max_distance,
                               const SearchOptions& options) const = 0;
+  virtual void NearestEach(std::span<const Place> places, std::size_t k,
+                           Span<std::uint32_t> ids, Span<float> distances,
+                           float max_distance,
+                           const SearchOptions& options) const = 0;
   virtual void Cast(const Motion& motion, const OnHit& function,
                     const SearchOptions& options) const = 0;
   // Not of simplices. In one world, or of a BVH with another one; of some
@@ -162,10 +166,6 @@ class AnyBvh : public Searches {
   virtual void CountEach(std::span<const Shape> bounds,
                          Span<std::size_t> counts,
                          const QueryOptions& options) const = 0;
-  virtual void NearestEach(std::span<const Place> places, std::size_t k,
-                           Span<std::uint32_t> ids, Span<float> distances,
-                           float max_distance,
-                           const SearchOptions& options) const = 0;
   virtual void ForEachNearest(const Corner& point, float max_distance,
                               const OnHit& function,
                               const SearchOptions& options) const = 0;
@@ -186,8 +186,8 @@ class AnyBvh : public Searches {
   virtual void SetOne(std::uint32_t id, const BoundList& bound) = 0;
   virtual void EraseOne(std::uint32_t id) = 0;
   virtual void Erase(Span<const std::uint32_t> ids) = 0;
-  virtual void Refit(const BoundList& by_id) = 0;
-  virtual void RefitInOrder(const BoundList& bounds) = 0;
+  virtual void Refit(const BoundList& by_id, const Runner& run) = 0;
+  virtual void RefitInOrder(const BoundList& bounds, const Runner& run) = 0;
   virtual void RefitSome(Span<const std::uint32_t> ids,
                          const BoundList& by_id) = 0;
   virtual void SetMask(std::uint32_t id, std::uint32_t mask) = 0;

@@ -13,7 +13,6 @@
 #include <limits>
 #include <memory>
 #include <random>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -58,8 +57,10 @@ bool AreSame(const AnyBvh& a, const AnyBvh& b) {
   return std::ranges::equal(a.tree().Blob(), b.tree().Blob());
 }
 
-// Of the floats as of doubles that are rounded to them, too.
+// On any threads, and of the floats as of doubles that are rounded to them,
+// too.
 TEST_P(BvhBuildTest, IsTheSameOnEveryTargetAndInEveryMode) {
+  auto run = RunOnThreads;
   for (const Scene& scene : Scenes()) {
     std::vector<Planes> bounds = ObjectsIn(scene, GetParam(), 5000, 3);
     // Blocks without a finite value.
@@ -75,6 +76,10 @@ TEST_P(BvhBuildTest, IsTheSameOnEveryTargetAndInEveryMode) {
                             *expected))
             << scene.name << ", " << target.name();
       }
+      EXPECT_TRUE(AreSame(
+          *MakeBvh(GetParam(), lists[0], {.quality = quality, .run = run}),
+          *expected))
+          << scene.name << ", on threads";
       for (FpMode mode : kFpModes) {
         if (mode == FpMode::kTraps && scene.is_special) continue;
         for (const BoundList& list : lists) {
@@ -205,7 +210,7 @@ TEST_P(BvhBuildTest, LevelsStayAsTightAsAfterARefit) {
   }
   EXPECT_TRUE(AreSame(*changed, *batched));
   EXPECT_TRUE(AreSame(*changed, *listed));
-  refitted->Refit(bounds);
+  refitted->Refit(bounds, {});
   EXPECT_GT(changed->tree().CostRatio(), 2.0);
   EXPECT_EQ(changed->tree().CostRatio(), refitted->tree().CostRatio());
   const auto& a = changed->tree().levels();
@@ -234,7 +239,7 @@ TEST_P(BvhBuildTest, RebuildsMendWhatDecayed) {
   EXPECT_GT(bvh->tree().CostRatio(), 1.2);
   EXPECT_EQ(bvh->RebuildPartial(4096), 4096u);
   EXPECT_LT(bvh->tree().CostRatio(), 1.05);
-  bvh->Refit(Listed(spheres.Some(40'000)));
+  bvh->Refit(Listed(spheres.Some(40'000)), {});
   EXPECT_GT(bvh->tree().CostRatio(), 5.0);
   bvh->Rebuild({});
   EXPECT_EQ(bvh->tree().CostRatio(), 1.0);
@@ -302,7 +307,7 @@ TEST_P(BvhBuildTest, PartialRebuildsExchangeObjects) {
         bounds.floats[i][p] = from[i][p] * (1 - share) + to[i][p] * share;
       }
     }
-    bvh->Refit(bounds);
+    bvh->Refit(bounds, {});
     EXPECT_LE(bvh->RebuildPartial(kSize / 16), 2048u);
   }
   EXPECT_LE(LeavesVisited(*bvh),
@@ -469,35 +474,6 @@ TEST(BvhOrderTest, AListAfterTheEndWasCutIsFound) {
   EXPECT_EQ(CountSurvivors(bvh, Aabb3::Everything()), bvh.size());
 }
 
-TEST(BvhThreadsTest, ShareRefitsAndBuilds) {
-  Spread<AabbView3> spread(1.0f);
-  AabbBvh3 bvh(spread.Objects(40'000));
-  AabbBvh3 same(bvh);
-  const AabbWorld3 bounds = spread.Objects(40'000);
-  const auto run = [](std::size_t count, const auto& part) {
-    std::vector<std::thread> threads;
-    for (std::size_t t = 0; t < 3; ++t) {
-      threads.emplace_back([=, &part] {
-        for (std::size_t i = t; i < count; i += 3) part(i);
-      });
-    }
-    for (std::thread& thread : threads) thread.join();
-  };
-  const auto are_same = [](const AabbBvh3& a, const AabbBvh3& b) {
-    return std::ranges::equal(a.Blob(), b.Blob());
-  };
-  bvh.Refit(bounds, run);
-  same.Refit(bounds.view());
-  EXPECT_TRUE(are_same(bvh, same));
-  for (BuildQuality quality : {BuildQuality::kHigh, BuildQuality::kFast}) {
-    const AabbBvh3 built(bounds, {.quality = quality, .run = run});
-    EXPECT_TRUE(are_same(built, AabbBvh3(bounds, {.quality = quality})));
-    bvh.Rebuild({.quality = quality, .run = run});
-    same.Rebuild({.quality = quality});
-    EXPECT_TRUE(are_same(bvh, same));
-  }
-}
-
 void RunBackwards(std::size_t count, Runner::Part part) {
   while (count-- > 0) part(count);
 }
@@ -525,20 +501,6 @@ TEST(RunnerTest, CallsAnyFunctionObject) {
   });
   EXPECT_EQ(calls, std::vector<int>(5, 5));
   EXPECT_EQ(runs, 3);
-}
-
-// A temporary in the options lives until the constructor returns.
-TEST(RunnerTest, CanBeATemporaryOfTheCall) {
-  const AabbWorld3 world = Spread<AabbView3>(1.0f).Objects(10'000);
-  std::size_t parts = 0;
-  const AabbBvh3 bvh(world,
-                     {.run = [&parts, in_turn = std::function(RunBackwards)](
-                                 std::size_t count, const auto& part) {
-                       parts += count;
-                       in_turn(count, part);
-                     }});
-  EXPECT_GE(parts, 3u);
-  EXPECT_TRUE(std::ranges::equal(bvh.ids(), AabbBvh3(world).ids()));
 }
 
 // The bytes beyond the planes of floats that a BVH of boxes may have,

@@ -9,8 +9,6 @@
 #include <limits>
 #include <new>
 #include <numeric>
-#include <optional>
-#include <span>
 #include <stdexcept>
 #include <string_view>
 #include <tuple>
@@ -24,7 +22,6 @@
 #include "tests/library/support/counting_memory.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
-#include "tests/library/support/fp_modes.h"
 
 namespace halfspace::testing {
 namespace {
@@ -358,99 +355,6 @@ TEST(RejectShapesErrorsTest, RefuseWhatIsWrong) {
                  "world.max[1]", "null");
   EXPECT_TRUE(canaried_ids.IntactBut(0));
   EXPECT_TRUE(canaried_mask.IntactBut(0));
-}
-
-// Floats are in the histories of history_test.cc, which trap too.
-TEST(BvhFpModesTest, MakingAndChangingAWorldOfDoublesNeverTraps) {
-  const AabbWorld<3, double> world(
-      std::vector<Aabb<3, double>>(200, {{1e-310, -1e300, 0.1}, {}}));
-  for (BuildQuality quality : {BuildQuality::kHigh, BuildQuality::kFast}) {
-    RunIn(FpMode::kTraps, [&] {
-      AabbBvh3 bvh(world, {.quality = quality});
-      bvh.Insert(Aabb<3, double>::Everything());
-      bvh.Insert(Aabb<3, double>::Empty());
-      bvh.Rebuild({.quality = quality});
-    });
-  }
-}
-
-// More than are changed one by one.
-Ids TenIds() {
-  Ids ids(10);
-  std::iota(ids.begin(), ids.end(), 3);
-  return ids;
-}
-
-// Each change, with less memory than it needs, of a world that owns its block
-// and of a blob in place. What was taken from the world stays valid.
-TEST(BvhChangesMemoryTest, AWorldIsAsItWasWhereThereIsNoMemory) {
-  using Change = void (*)(AabbBvh3&);
-  constexpr Change kChanges[] = {
-      [](AabbBvh3& world) { world.Set(3, Aabb3::Everything()); },
-      [](AabbBvh3& world) { world.Insert(Aabb3::Everything()); },
-      [](AabbBvh3& world) { world.Erase(3); },
-      [](AabbBvh3& world) { world.Reserve(20'000); },
-      [](AabbBvh3& world) {
-        world.Set(TenIds(), std::vector(10, Aabb3::Everything()));
-      },
-      [](AabbBvh3& world) {
-        world.Refit(TenIds(), std::vector(9256, Aabb3::Everything()));
-      },
-      [](AabbBvh3& world) { world.Erase(TenIds()); },
-      [](AabbBvh3& world) {
-        Ids ids(300);
-        world.Insert(std::vector(300, Aabb3::Everything()), ids);
-      },
-      [](AabbBvh3& world) {
-        world.Set(TenIds(), std::vector(10, Aabb<3, double>::Everything()));
-      },
-      [](AabbBvh3& world) {
-        Ids ids(300);
-        world.Insert(std::vector(300, Aabb<3, double>::Everything()), ids);
-      },
-      [](AabbBvh3& world) {
-        world.Refit(std::vector(9256, Aabb<3, double>::Everything()));
-      },
-      [](AabbBvh3& world) {
-        world.InsertAs(Ids{10'000, 9999}, std::vector<Aabb3>(2));
-      },
-      [](AabbBvh3& world) {
-        Ids ids(300);
-        std::iota(ids.begin(), ids.end(), 50'000);
-        world.InsertAs(ids, std::vector(300, Aabb<3, double>::Everything()));
-      },
-      [](AabbBvh3& world) { world.SetMasks(3, 1); },
-      [](AabbBvh3& world) { world.SetMasks(Ids(9256)); },
-      [](AabbBvh3& world) { world.Rebuild(); },
-      [](AabbBvh3& world) { world.RebuildPartial(9000); }};
-  CountingMemory memory;
-  Spread<AabbView3> spread(2.0f);
-  AabbBvh3 first(spread.Objects(9000), {.memory = memory.resource()});
-  const AabbWorld3 moved = spread.Objects(9000);
-  first.Refit(moved.view());  // so that there is something to sort
-  // As many insertions as are due to be sorted.
-  for (std::uint32_t i = 0; i < 256; ++i) first.Insert(moved.Get(i));
-  const auto blob = first.Blob();
-  for (bool is_in_place : {false, true}) {
-    for (Change change : kChanges) {
-      std::optional<AabbBvh3> world;
-      const std::byte* block = nullptr;
-      const auto make = [&] {
-        world.emplace(is_in_place ? AabbBvh3::InPlace(blob, memory.resource())
-                                  : AabbBvh3(first, memory.resource()));
-        block = world->Blob().data();
-      };
-      make();
-      FailuresOf(
-          memory, [&] { change(*world); },
-          [&] {
-            EXPECT_EQ(world->Blob().data(), block);
-            EXPECT_TRUE(std::ranges::equal(world->Blob(), blob));
-            make();
-          });
-      if (HasFailure()) return;
-    }
-  }
 }
 
 // What a set takes comes from the world's resource. Without memory nothing is

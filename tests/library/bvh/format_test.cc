@@ -234,7 +234,7 @@ TEST_P(BvhFormatTest, TodaysBytesAreTheNewestFormat) {
                                   ? OneObject(stored.layout, id).floats[0]
                                   : EmptyOf(stored.layout));
   }
-  refitted->RefitInOrder(in_order);
+  refitted->RefitInOrder(in_order, {});
   ExpectIsNewest(stored, *refitted);
   EXPECT_EQ(Make(stored)->tree().Blob().size(), file.bytes().size());
 }

@@ -3,6 +3,9 @@
 #ifndef HALFSPACE_TESTS_LIBRARY_BVH_HISTORY_H_
 #define HALFSPACE_TESTS_LIBRARY_BVH_HISTORY_H_
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -10,6 +13,7 @@
 
 #include "tests/library/bvh/aligned_copy.h"
 #include "tests/library/bvh/answers.h"
+#include "tests/library/support/counting_memory.h"
 #include "tests/library/support/fp_modes.h"
 
 namespace halfspace::testing {
@@ -36,14 +40,18 @@ class Choices {
   Planes last_;
 };
 
+// Each part once, in reverse on each of three threads.
+void RunOnThreads(std::size_t count, const Runner::Part& part);
+
 // Doubles that are rounded outward to these floats.
 BoundList InDoubles(const Layout& layout, std::vector<Planes> floats);
 
 class BvhHistory {
  public:
-  // Lists have up to `most` objects.
+  // Lists have up to `most` objects. With `memory`, each change is tried with
+  // less memory than it needs, which changes nothing.
   BvhHistory(const Layout& layout, Choices& choices, std::size_t size,
-             std::size_t most, FpMode mode);
+             std::size_t most, FpMode mode, CountingMemory* memory = nullptr);
 
   const AnyBvh& bvh() const { return *all_[0]; }
   const Objects& objects() const { return objects_; }
@@ -59,8 +67,24 @@ class BvhHistory {
  private:
   template <typename Call>
   void Each(const Call& call) {
-    for (auto& bvh : all_) RunIn(mode_, [&] { call(*bvh); });
+    for (auto& bvh : all_) {
+      if (memory_ == nullptr) {
+        RunIn(mode_, [&] { call(*bvh); });
+        continue;
+      }
+      const auto blob = bvh->tree().Blob();
+      const std::vector<std::byte> before(blob.begin(), blob.end());
+      FailuresOf(
+          *memory_, [&] { call(*bvh); },
+          [&] {
+            // What was taken from it stays valid.
+            EXPECT_EQ(bvh->tree().Blob().data(), blob.data());
+            EXPECT_TRUE(std::ranges::equal(bvh->tree().Blob(), before));
+          });
+    }
   }
+  // The copies run on threads, and must be the same.
+  Runner RunnerOf(const AnyBvh& bvh) const;
   BoundList Bounds(std::size_t count);
   std::uint32_t AnyId();
   Ids AnyIds(std::size_t count);
@@ -85,6 +109,7 @@ class BvhHistory {
   Choices& choices_;
   std::size_t most_;
   FpMode mode_;
+  CountingMemory* memory_;
   std::vector<Blob> blobs_;
   std::vector<std::unique_ptr<AnyBvh>> all_;  // the first, and a copy of it
   Objects objects_;

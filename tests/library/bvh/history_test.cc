@@ -22,15 +22,20 @@ TEST_P(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
   // Two dimensions are the same code.
   const std::size_t rounds =
       std::max<std::size_t>(4, GetParam().dims == 3 ? Scaled(12) : 0);
-  for (std::size_t round = 0; round < rounds; ++round) {
+  for (std::size_t round = 0; round < rounds + 2; ++round) {
     Random random(round);
     Choices choices(GetParam(), random);
     // Few objects, whose pairs are all compared, and thousands.
     const bool is_large = round % 4 == 1;
     const std::size_t most = is_large ? 9000 : 400;
+    // The last ones with too little memory at first, for each change.
+    CountingMemory memory;
+    const bool is_short = round >= rounds;
     BvhHistory history(GetParam(), choices,
                        round % 3 == 0 ? 0 : choices.Below(most),
-                       is_large ? 3000 : 300, kFpModes[round % 6]);
+                       is_large ? 3000 : 300,
+                       is_short ? FpMode::kDefault : kFpModes[round % 6],
+                       is_short ? &memory : nullptr);
     // Of a large one a list of the objects takes long to ask.
     const std::size_t changes = is_large ? 3 : 1;
     for (std::size_t step = 0; step < (10 + Scaled(30)) / changes; ++step) {

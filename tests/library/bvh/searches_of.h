@@ -69,6 +69,22 @@ class SearchesOf : public Base {
     return KNearest(world_, BoxOf(place), ids, distances, max_distance,
                     options);
   }
+  void NearestEach(std::span<const Place> places, std::size_t k,
+                   Span<std::uint32_t> ids, Span<float> distances,
+                   float max_distance,
+                   const SearchOptions& options) const override {
+    std::vector<Point<kDims>> points;
+    std::vector<Aabb<kDims>> boxes;
+    for (const Place& place : places) {
+      points.push_back(PointOf(place.min));
+      boxes.push_back(BoxOf(place));
+    }
+    if (places[0].is_point) {
+      KNearestOfEach(world_, points, k, ids, distances, max_distance, options);
+    } else {
+      KNearestOfEach(world_, boxes, k, ids, distances, max_distance, options);
+    }
+  }
   void Cast(const Motion& motion, const Searches::OnHit& function,
             const SearchOptions& options) const override {
     const auto call = OnHitOf(function);
