@@ -1,22 +1,18 @@
-// Compares the package with flatbush, rbush and kdbush, in one process and in turns:
+// Compares the package with flatbush and rbush, in one process and in turns:
 //   node bench.mjs [BOXES...]
-// in a folder where all four are installed. Each answer is checked first.
+// in a folder where all three are installed. Each answer is checked first.
 import { BVH } from 'halfspace';
 import Flatbush from 'flatbush';
 import RBush from 'rbush';
-import KDBush from 'kdbush';
 
 const QUERIES = 20000;
 const REPETITIONS = 5;
 
-// A generator of numbers in [0, 1) with a seed, so that all runs measure the same.
-function random(seed) {
-  let state = seed;
+// Numbers in [0, 1) with a seed, so that all runs measure the same.
+function random(state) {
   return () => {
-    state = (state + 0x6d2b79f5) | 0;
-    let t = Math.imul(state ^ (state >>> 15), 1 | state);
-    t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
-    return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
+    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
+    return state / 2 ** 32;
   };
 }
 
@@ -24,22 +20,17 @@ function random(seed) {
 function boxesOf(count, side, next) {
   const boxes = new Float32Array(4 * count);
   for (let i = 0; i < 4 * count; i += 4) {
-    boxes[i] = next();
-    boxes[i + 1] = next();
-    boxes[i + 2] = boxes[i] + side * next();
-    boxes[i + 3] = boxes[i + 1] + side * next();
+    const [x, y] = [next(), next()];
+    boxes.set([x, y, x + side * next(), y + side * next()], i);
   }
   return boxes;
 }
 
-const median = (times) => times.sort((a, b) => a - b)[times.length >> 1];
-
-// Times all cases in turns, and prints the median of each and its ratio to the first.
+// Times all cases in turns, and prints the median of each, its range, and its ratio to the
+// first.
 function compare(title, count, cases) {
   const sums = cases.map(([, run]) => run());
-  for (const [i, sum] of sums.entries()) {
-    if (sum !== sums[0]) throw new Error(`${title}: ${cases[i][0]} has other results: ${sum}, ${sums[0]}`);
-  }
+  if (sums.some((sum) => sum !== sums[0])) throw new Error(`${title}: other results: ${sums}`);
   const times = cases.map(() => []);
   for (let r = 0; r < REPETITIONS; ++r) {
     for (const [i, [, run]] of cases.entries()) {
@@ -48,13 +39,21 @@ function compare(title, count, cases) {
       times[i].push(Number(process.hrtime.bigint() - begin) / count);
     }
   }
-  const ranges = times.map((t) => [median(t), Math.min(...t), Math.max(...t)]);
   for (const [i, [name]] of cases.entries()) {
-    const [middle, least, most] = ranges[i];
-    console.log(`${title.padEnd(22)} ${name.padEnd(20)} ${middle.toFixed(0).padStart(8)} ns ` +
-      `[${least.toFixed(0)}, ${most.toFixed(0)}]  ${(middle / ranges[0][0]).toFixed(2)}`);
+    const [least, , middle, , most] = times[i].sort((a, b) => a - b);
+    console.log(title.padEnd(22), name.padEnd(20), middle.toFixed(0).padStart(8), 'ns',
+      `[${least.toFixed(0)}, ${most.toFixed(0)}]`, (middle / times[0][2]).toFixed(2));
   }
 }
+
+// The sum of run() of each row of so many numbers.
+const each = (rows, values, run) => () => {
+  let sum = 0;
+  for (let i = 0; i < rows.length; i += values) {
+    sum += run(rows[i], rows[i + 1], rows[i + 2], rows[i + 3]);
+  }
+  return sum;
+};
 
 for (const n of process.argv.length > 2 ? process.argv.slice(2).map(Number) : [1e4, 1e5, 1e6]) {
   const next = random(n);
@@ -62,53 +61,32 @@ for (const n of process.argv.length > 2 ? process.argv.slice(2).map(Number) : [1
   const boxes = boxesOf(n, side, next);
   const queries = boxesOf(QUERIES, 4 * side, next);
   const points = Float32Array.from({ length: 2 * QUERIES }, next);
-  const items = Array.from({ length: n }, (_, i) => ({
-    minX: boxes[4 * i], minY: boxes[4 * i + 1], maxX: boxes[4 * i + 2], maxY: boxes[4 * i + 3], i,
-  }));
-  let tree, flat, bush, kd;
-  compare(`${n}: build`, n, [
-    ['halfspace', () => { tree?.dispose(); tree = new BVH(boxes); return n; }],
-    ['halfspace, fast', () => { new BVH(boxes, { quality: 'fast' }).dispose(); return n; }],
-    ['flatbush', () => {
-      flat = new Flatbush(n, 16, Float32Array);
-      for (let i = 0; i < 4 * n; i += 4) flat.add(boxes[i], boxes[i + 1], boxes[i + 2], boxes[i + 3]);
-      flat.finish();
-      return n;
-    }],
-    ['rbush', () => { bush = new RBush().load(items); return n; }],
-  ]);
-  kd = new KDBush(n, 64, Float32Array);
-  for (let i = 0; i < 4 * n; i += 4) kd.add(boxes[i], boxes[i + 1]);
-  kd.finish();
-  const corners = new BVH(boxes.map((_, i) => boxes[4 * (i >> 2) + (i & 1)]));
-
-  const each = (run) => () => {
-    let sum = 0;
-    for (let q = 0; q < 4 * QUERIES; q += 4) {
-      sum += run(queries[q], queries[q + 1], queries[q + 2], queries[q + 3]);
-    }
-    return sum;
-  };
-  compare(`${n}: box query`, QUERIES, [
-    ['halfspace', each((a, b, c, d) => tree.query([a, b, c, d]).length)],
-    ['halfspace, many', () => tree.queryMany(queries).ids.length],
-    ['flatbush', each((a, b, c, d) => flat.search(a, b, c, d).length)],
-    ['rbush', each((a, b, c, d) => bush.search({ minX: a, minY: b, maxX: c, maxY: d }).length)],
-  ]);
-  compare(`${n}: points in a box`, QUERIES, [
-    ['halfspace', each((a, b, c, d) => corners.query([a, b, c, d]).length)],
-    ['kdbush', each((a, b, c, d) => kd.range(a, b, c, d).length)],
-  ]);
-  const eachPoint = (run) => () => {
-    let sum = 0;
-    for (let q = 0; q < 2 * QUERIES; q += 2) sum += run(points[q], points[q + 1]);
-    return sum;
-  };
-  compare(`${n}: 8 nearest`, QUERIES, [
-    ['halfspace', eachPoint((x, y) => tree.nearest([x, y], 8).length)],
-    ['halfspace, many', () => tree.nearestMany(points, 8).ids.length],
-    ['flatbush', eachPoint((x, y) => flat.neighbors(x, y, 8).length)],
-  ]);
+  const items = [];
+  each(boxes, 4, (minX, minY, maxX, maxY) => items.push({ minX, minY, maxX, maxY }))();
+  let tree, flat, bush;
+  for (const [title, count, ...cases] of [
+    ['build', n,
+      ['halfspace', () => { tree?.dispose(); tree = new BVH(boxes); return n; }],
+      ['halfspace, fast', () => { new BVH(boxes, { quality: 'fast' }).dispose(); return n; }],
+      ['flatbush', () => {
+        flat = new Flatbush(n, 16, Float32Array);
+        each(boxes, 4, (a, b, c, d) => flat.add(a, b, c, d))();
+        flat.finish();
+        return n;
+      }],
+      ['rbush', () => { bush = new RBush().load(items); return n; }]],
+    ['box query', QUERIES,
+      ['halfspace', each(queries, 4, (a, b, c, d) => tree.query([a, b, c, d]).length)],
+      ['halfspace, many', () => tree.queryMany(queries).ids.length],
+      ['flatbush', each(queries, 4, (a, b, c, d) => flat.search(a, b, c, d).length)],
+      ['rbush', each(queries, 4, (minX, minY, maxX, maxY) =>
+        bush.search({ minX, minY, maxX, maxY }).length)]],
+    ['8 nearest', QUERIES,
+      ['halfspace', each(points, 2, (x, y) => tree.nearest([x, y], 8).length)],
+      ['halfspace, many', () => tree.nearestMany(points, 8).ids.length],
+      ['flatbush', each(points, 2, (x, y) => flat.neighbors(x, y, 8).length)]],
+  ]) {
+    compare(`${n}: ${title}`, count, cases);
+  }
   tree.dispose();
-  corners.dispose();
 }

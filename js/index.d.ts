@@ -28,10 +28,8 @@ export class BVH {
   /** Builds a BVH of boxes, one after another. O(n log n). */
   constructor(boxes: Numbers, options?: Options);
 
-  /**
-   * Reads what toBytes() wrote, here or in C++, C or Python. The bytes are copied. Damage
-   * is found by a checksum, and is an error.
-   */
+  /** Reads what toBytes() wrote, here or in C++, C or Python. The bytes are copied. Damage
+   * is found by a checksum, and is an error. */
   static fromBytes(bytes: Uint8Array | ArrayBuffer): BVH;
   /** The BVH as bytes of a format that other versions and languages read. */
   toBytes(): Uint8Array;
@@ -46,27 +44,21 @@ export class BVH {
 
   /** The ids of the boxes that overlap a box, in no particular order. */
   query(box: ArrayLike<number>): Uint32Array;
-  /**
-   * The same for many boxes, in less time for each: the ids that overlap box i are
-   * ids[offsets[i]] to ids[offsets[i + 1] - 1].
-   */
+  /** The same for many boxes, in less time for each: the ids that overlap box i are
+   * ids[offsets[i]] to ids[offsets[i + 1] - 1]. */
   queryMany(boxes: Numbers): { ids: Uint32Array; offsets: Uint32Array };
 
   /** The ids of the k boxes nearest to a point, nearest first. A box that contains the
    * point has the distance 0. */
   nearest(point: ArrayLike<number>, k?: number, maxDistance?: number): Uint32Array;
-  /**
-   * The same for many points. Row i is ids[i * k] to ids[i * k + k - 1], where k is that of
+  /** The same for many points. Row i is ids[i * k] to ids[i * k + k - 1], where k is that of
    * the result: at most `size`. If fewer boxes are near enough, the rest of
-   * the row is NO_ID and Infinity. Distances are within a millionth of the exact ones.
-   */
+   * the row is NO_ID and Infinity. Distances are within a millionth of the exact ones. */
   nearestMany(points: Numbers, k?: number, maxDistance?: number):
     { k: number; ids: Uint32Array; distances: Float32Array };
 
-  /**
-   * The first box that a ray enters, or null. The hit is at origin + t * direction, with t
-   * from 0 to maxT. Coordinates are rounded to 32-bit floats.
-   */
+  /** The first box that a ray enters, or null. The hit is at origin + t * direction, with t
+   * from 0 to maxT. Coordinates are rounded to 32-bit floats. */
   raycast(origin: ArrayLike<number>, direction: ArrayLike<number>, maxT?: number):
     { id: number; t: number } | null;
   /** The same for rows of an origin, a direction and a limit of t: 2 * dimensions + 1

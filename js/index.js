@@ -16,24 +16,17 @@ function fail(argument, reason) {
   throw new HalfspaceError(argument, reason);
 }
 
+function expect(isSo, argument, what, value) {
+  if (isSo) return;
+  const isShown = value === null || ['number', 'string'].includes(typeof value);
+  fail(argument, `expected ${what}, got ${isShown ? value : typeof value}`);
+}
+
 // The module --------------------------------------------------------------------------
 
-// What its C library asks a system for: no environment, no files, no exit.
-const system = {
-  environ_sizes_get(count, bytes) {
-    new Uint32Array(memory.buffer)[count >>> 2] = 0;
-    new Uint32Array(memory.buffer)[bytes >>> 2] = 0;
-    return 0;
-  },
-  environ_get: () => 0,
-};
-const NOT_THERE = 52;  // WASI's ENOSYS
-const imports = {
-  env: new Proxy({}, { get: () => () => {} }),
-  wasi_snapshot_preview1: new Proxy(system, {
-    get: (known, name) => known[name] ?? (() => NOT_THERE),
-  }),
-};
+// There is no system: no environment, no files, no exit. 52 is WASI's ENOSYS.
+const absent = (result) => new Proxy({}, { get: () => () => result });
+const imports = { env: absent(), wasi_snapshot_preview1: absent(52) };
 const bytes = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
 const { instance } = await WebAssembly.instantiate(bytes, imports);
 const wasm = instance.exports;
@@ -49,10 +42,8 @@ function look() {
   f32 = new Float32Array(memory.buffer);
   f64 = new Float64Array(memory.buffer);
 }
-look();
 
 function text(address) {
-  look();
   return new TextDecoder().decode(u8.slice(address, u8.indexOf(0, address)));
 }
 
@@ -60,14 +51,11 @@ function text(address) {
 const names = { objects: 'boxes', queries: 'boxes', data: 'bytes', 'hs_bvh_blob()': 'toBytes()' };
 const named = (text) => text.replace(/\w+(\(\))?/g, (name) => names[name] ?? name);
 
-function failAsModule(argument = '') {
+function check(status, argument = '') {
+  look();
+  if (status === 0) return;
   fail(named(text(wasm.hs_last_error_argument()).replace(/->.*/, '')) || argument,
     named(text(wasm.hs_last_error_reason())));
-}
-
-function check(status, argument) {
-  if (status !== 0) failAsModule(argument);
-  look();
 }
 
 function allocate(bytes) {
@@ -91,13 +79,12 @@ function withMemory(run) {
 }
 
 // Room for results of one call, kept from call to call.
-let room = 0;
-let results = 0;
+let [results, room] = [0, 0];
 function makeRoom(count) {
   if (room >= count) return;
   const size = Math.max(count, 2 * room, 1024);
   const block = allocate(4 * size);
-  if (results) wasm.free(results);
+  wasm.free(results);
   [results, room] = [block, size];
 }
 
@@ -110,9 +97,19 @@ function resultsOf(call, values = 1) {
   }
 }
 
-// The numbers of calls of one query, and what a call writes.
+// The numbers of calls of one query, the rows that they are, by their number, and what a
+// call writes.
 const oneValues = allocate(8 * 8);
+const oneRow = Array.from({ length: 8 }, (_, n) => wasm.rows(n, 1, oneValues, 1, n));
 const oneResult = allocate(8 * 4);
+
+// Writes the numbers of a call of one query, and returns its row. After all are read, since
+// a getter can call the module.
+function write(numbers) {
+  look();
+  for (let i = 0; i < numbers.length; ++i) f64[oneValues / 8 + i] = numbers[i];
+  return oneRow[numbers.length];
+}
 
 // The number that a call wrote there.
 function resultOf(status, argument) {
@@ -123,20 +120,30 @@ function resultOf(status, argument) {
 const idsAt = (address, count) => u32.slice(address / 4, address / 4 + count);
 const floatsAt = (address, count) => f32.slice(address / 4, address / 4 + count);
 
+// Copies an array to the module, and returns its address.
+function copyIn(allocate, array) {
+  const address = allocate(array.byteLength);
+  new array.constructor(memory.buffer, address, array.length).set(array);
+  return address;
+}
+
+// The same for rows, until the next rows are copied.
+const rowsIn = (allocate, array, values) => wasm.rows(0, array instanceof Float64Array ? 1 : 0,
+  copyIn(allocate, array), array.length / values, values);
+
 // Arguments ---------------------------------------------------------------------------
+
+function arrayOf(name, data, what) {
+  const isArray = data !== null && typeof data === 'object' && typeof data.length === 'number';
+  expect(isArray, name, `an array of ${what}`, data);
+  return data;
+}
 
 // Rows of `values` numbers, of a Float32Array, a Float64Array or what can become one.
 function rowsOf(name, data, values) {
-  let array = data;
-  if (!(array instanceof Float32Array) && !(array instanceof Float64Array)) {
-    if (array === null || typeof array !== 'object' || typeof array.length !== 'number') {
-      fail(name, `expected an array of numbers, got ${array === null ? 'null' : typeof array}`);
-    }
-    array = Float64Array.from(array, (value, i) => {
-      if (typeof value !== 'number') fail(`${name}[${i}]`, `expected a number, got ${typeof value}`);
-      return value;
-    });
-  }
+  const isFloats = data instanceof Float32Array || data instanceof Float64Array;
+  const array = isFloats ? data : Float64Array.from(arrayOf(name, data, 'numbers'), (value, i) =>
+    (typeof value === 'number' ? value : expect(false, `${name}[${i}]`, 'a number', value)));
   if (array.length === 0) {
     try {
       new Uint8Array(array.buffer);
@@ -144,61 +151,14 @@ function rowsOf(name, data, values) {
       fail(name, 'the ArrayBuffer is detached: it was transferred');
     }
   }
-  if (array.length % values !== 0) {
-    fail(name, `expected ${values} numbers for each, got ${array.length} in all`);
-  }
+  expect(array.length % values === 0, name, `${values} numbers for each`, array.length);
   return array;
-}
-
-function boxesOf(name, data, dimensions) {
-  const boxes = rowsOf(name, data, 2 * dimensions);
-  for (let i = 0; i < boxes.length; i += 2 * dimensions) {
-    for (let k = i; k < i + dimensions; ++k) checkBox(name, boxes, k, dimensions);
-  }
-  return boxes;
-}
-
-function checkBox(name, boxes, k, dimensions) {
-  if (!(boxes[k] <= boxes[k + dimensions])) {
-    fail(`${name}[${k}]`, 'expected a minimum that is not above the maximum, ' +
-      `got ${boxes[k]} and ${boxes[k + dimensions]}`);
-  }
 }
 
 function numbersOf(name, data, values) {
   const numbers = rowsOf(name, data, values);
   const i = numbers.findIndex(Number.isNaN);
-  if (i >= 0) fail(`${name}[${i}]`, 'expected a number, got NaN');
-  return numbers;
-}
-
-function idsOf(ids, count) {
-  if (ids === null || typeof ids !== 'object' || typeof ids.length !== 'number') {
-    fail('ids', 'expected an array of ids');
-  }
-  if (count !== undefined && ids.length !== count) {
-    fail('ids', `expected as many as boxes, ${count}, got ${ids.length}`);
-  }
-  return Uint32Array.from(ids, (id, i) => {
-    if (!Number.isInteger(id) || id < 0 || id >= NO_ID) {
-      fail(`ids[${i}]`, `expected the id of an object, got ${id}`);
-    }
-    return id;
-  });
-}
-
-const shown = (value) => (typeof value === 'number' ? value : typeof value);
-
-function countOf(name, value) {
-  if (value !== Infinity && !(Number.isInteger(value) && value > 0)) {
-    fail(name, `expected a whole number above 0, or Infinity, got ${value}`);
-  }
-  return value;
-}
-
-function distanceOf(name, value) {
-  if (!(value >= 0)) fail(name, `expected a number that is not negative, got ${value}`);
-  return value;
+  return i < 0 ? numbers : fail(`${name}[${i}]`, 'expected a number, got NaN');
 }
 
 // The numbers of one row. Not numbersOf(), which takes as long as the search for 8 boxes.
@@ -208,28 +168,37 @@ function rowOf(name, row, count) {
   for (let i = 0; i < count; ++i) {
     const value = row[i];
     if (typeof value !== 'number' || value !== value) {
-      fail(`${name}[${i}]`, `expected a number, got ${shown(value)}`);
+      expect(false, `${name}[${i}]`, 'a number', value);
     }
     numbers.push(value);
   }
   return numbers;
 }
 
-// Writes the numbers of a call of one query. After all are read, since a getter can call the
-// module.
-function write(numbers) {
-  look();
-  for (let i = 0; i < numbers.length; ++i) f64[oneValues / 8 + i] = numbers[i];
+// Boxes, whose minima are not above their maxima.
+function checkBoxes(name, boxes, dimensions) {
+  for (let i = 0; i < boxes.length; i += 2 * dimensions) {
+    for (let k = i; k < i + dimensions; ++k) {
+      if (boxes[k] <= boxes[k + dimensions]) continue;
+      expect(false, `${name}[${k}]`, 'a minimum that is not above the maximum',
+        `${boxes[k]} and ${boxes[k + dimensions]}`);
+    }
+  }
+  return boxes;
 }
 
-// Copies an array to the module, and returns its address.
-function copyIn(allocate, array) {
-  const address = allocate(array.byteLength);
-  new array.constructor(memory.buffer, address, array.length).set(array);
-  return address;
-}
+const boxesOf = (data, dimensions) =>
+  checkBoxes('boxes', rowsOf('boxes', data, 2 * dimensions), dimensions);
 
-const isDouble = (array) => (array instanceof Float64Array ? 1 : 0);
+const idsOf = (ids) => Uint32Array.from(arrayOf('ids', ids, 'ids'), (id, i) =>
+  (Number.isInteger(id) && id >= 0 && id < NO_ID ? id
+    : expect(false, `ids[${i}]`, 'the id of an object', id)));
+
+function distanceOf(name, value) {
+  const distance = Number(value);
+  expect(distance >= 0, name, 'a number that is not negative', value);
+  return distance;
+}
 
 // The BVH -----------------------------------------------------------------------------
 
@@ -237,10 +206,7 @@ const registry = new FinalizationRegistry((bvh) => wasm.hs_bvh_destroy(bvh));
 
 // In place of boxes: a BVH of the module, for a new owner.
 class Made {
-  constructor(dimensions, bvh) {
-    this.dimensions = dimensions;
-    this.bvh = bvh;
-  }
+  constructor(bvh) { this.bvh = bvh; }
 }
 
 export class BVH {
@@ -248,35 +214,27 @@ export class BVH {
   #dimensions;
 
   constructor(boxes, { dimensions = 2, quality = 'high' } = {}) {
-    if (dimensions !== 2 && dimensions !== 3) {
-      fail('dimensions', `expected 2 or 3, got ${dimensions}`);
-    }
-    if (quality !== 'high' && quality !== 'fast') {
-      fail('quality', `expected "high" or "fast", got ${quality}`);
-    }
-    const made = boxes instanceof Made ? boxes : withMemory((allocate) => {
-      const array = boxesOf('boxes', boxes, dimensions);
-      return new Made(dimensions, resultOf(wasm.bvh_create(
-        dimensions, isDouble(array), copyIn(allocate, array),
-        array.length / (2 * dimensions), quality === 'fast' ? 1 : 0, oneResult)));
+    expect(dimensions === 2 || dimensions === 3, 'dimensions', '2 or 3', dimensions);
+    expect(quality === 'high' || quality === 'fast', 'quality', '"high" or "fast"', quality);
+    this.#dimensions = dimensions;
+    this.#bvh = boxes instanceof Made ? boxes.bvh : withMemory((allocate) => {
+      const rows = rowsIn(allocate, boxesOf(boxes, dimensions), 2 * dimensions);
+      const config = wasm.config(dimensions, quality === 'fast' ? 1 : 0);
+      return resultOf(wasm.hs_bvh_create(config, rows, oneResult));
     });
-    this.#bvh = made.bvh;
-    this.#dimensions = made.dimensions;
-    registry.register(this, made.bvh, this);
+    registry.register(this, this.#bvh, this);
   }
 
   static fromBytes(bytes) {
     const from = bytes instanceof ArrayBuffer ? new Uint8Array(bytes) : bytes;
-    if (!(from instanceof Uint8Array)) {
-      fail('bytes', 'expected a Uint8Array or an ArrayBuffer');
-    }
+    expect(from instanceof Uint8Array, 'bytes', 'a Uint8Array or an ArrayBuffer', bytes);
     return withMemory((allocate) => {
       const address = copyIn(allocate, from);
       // HS_BOX2 is 1, and HS_BOX3 is 2.
       const dimensions = 1 + resultOf(wasm.hs_blob_kind(address, from.length, oneResult));
-      if (dimensions > 3) fail('bytes', 'expected a BVH of boxes, got another kind of bounds');
-      return new BVH(new Made(dimensions, resultOf(
-        wasm.bvh_from_blob(dimensions, address, from.length, oneResult), 'bytes')));
+      expect(dimensions <= 3, 'bytes', 'a BVH of boxes', 'another kind of bounds');
+      return new BVH(new Made(resultOf(wasm.hs_bvh_from_blob(wasm.config(dimensions, 0), address,
+        from.length, oneResult), 'bytes')), { dimensions });
     });
   }
 
@@ -287,18 +245,45 @@ export class BVH {
     this.#bvh = 0;
   }
 
+  // After all arguments are read, since a getter can dispose of it.
   #open() {
     if (!this.#bvh) fail('', 'the BVH was disposed of');
     return this.#bvh;
   }
 
-  // Calls run(allocate, count, ...) with what functions of the module need of boxes.
-  #withBoxes(boxes, run) {
+  // Calls run(bvh, rows, count, allocate) with rows in the module.
+  #withRows(array, values, run) {
     const bvh = this.#open();
-    const array = boxesOf('boxes', boxes, this.#dimensions);
-    const count = array.length / (2 * this.#dimensions);
-    return withMemory((allocate) => run(allocate, count, bvh, this.#dimensions,
-      isDouble(array), copyIn(allocate, array), count));
+    return withMemory((allocate) =>
+      run(bvh, rowsIn(allocate, array, values), array.length / values, allocate));
+  }
+
+  #withBoxes(boxes, run) {
+    return this.#withRows(boxesOf(boxes, this.#dimensions), 2 * this.#dimensions, run);
+  }
+
+  // The `most` ids and numbers of each row, which call(bvh, rows, ids, numbers) writes.
+  #nearestOf(array, values, most, call) {
+    return this.#withRows(array, values, (bvh, rows, count, allocate) => {
+      const [ids, numbers] = [0, 1].map(() => allocate(4 * count * most));
+      check(call(bvh, rows, ids, numbers));
+      return [idsAt(ids, count * most), floatsAt(numbers, count * most)];
+    });
+  }
+
+  // The pairs that call() writes.
+  #pairs(call, others, margin) {
+    const distance = distanceOf('margin', margin);
+    expect(distance !== Infinity, 'margin', 'a finite number', distance);
+    const trees = [this, ...others].map((tree) => tree.#open());
+    const options = wasm.pair_options(distance);
+    return resultsOf(() => call(...trees, options, results, room >>> 1, oneResult), 2);
+  }
+
+  #most(k) {
+    expect(k === Infinity || (Number.isInteger(k) && k > 0), 'k',
+      'a whole number above 0, or Infinity', k);
+    return Math.min(k, this.size);
   }
 
   get dimensions() { return this.#dimensions; }
@@ -317,108 +302,85 @@ export class BVH {
   }
 
   query(box) {
-    const bvh = this.#open();
     const dimensions = this.#dimensions;
-    const numbers = rowOf('box', box, 2 * dimensions);
-    for (let k = 0; k < dimensions; ++k) checkBox('box', numbers, k, dimensions);
-    write(numbers);
-    return resultsOf(() =>
-      wasm.bvh_query(bvh, dimensions, 1, oneValues, 1, results, room, 0, oneResult));
+    const row = write(checkBoxes('box', rowOf('box', box, 2 * dimensions), dimensions));
+    const bvh = this.#open();
+    return resultsOf(() => wasm.hs_bvh_query(bvh, row, 0, results, room, 0, oneResult));
   }
 
   queryMany(boxes) {
-    return this.#withBoxes(boxes, (allocate, count, ...rows) => {
+    return this.#withBoxes(boxes, (bvh, rows, count, allocate) => {
       const offsets = allocate(4 * (count + 1));
       const ids = resultsOf(() =>
-        wasm.bvh_query(...rows, results, room, offsets, oneResult));
+        wasm.hs_bvh_query(bvh, rows, 0, results, room, offsets, oneResult));
       return { ids, offsets: idsAt(offsets, count + 1) };
     });
   }
 
   nearest(point, k = 1, maxDistance = Infinity) {
-    const bvh = this.#open();
-    const dimensions = this.#dimensions;
-    const numbers = rowOf('point', point, dimensions);
-    const most = Math.min(countOf('k', k), this.size);
+    const numbers = rowOf('point', point, this.#dimensions);
+    const limit = distanceOf('maxDistance', maxDistance);
+    const most = this.#most(k);
     makeRoom(2 * most);
-    write(numbers);
-    check(wasm.bvh_nearest(bvh, dimensions, 1, oneValues, 1, most,
-      distanceOf('maxDistance', maxDistance), results, results + 4 * most));
+    check(wasm.hs_bvh_nearest_to_points(this.#bvh, write(numbers), most, limit, 0, results,
+      results + 4 * most));
     let found = most;
     while (found > 0 && u32[results / 4 + found - 1] === NO_ID) --found;
     return idsAt(results, found);
   }
 
   nearestMany(points, k = 1, maxDistance = Infinity) {
-    const bvh = this.#open();
     const array = numbersOf('points', points, this.#dimensions);
-    const count = array.length / this.#dimensions;
-    const most = Math.min(countOf('k', k), this.size);
-    return withMemory((allocate) => {
-      const from = copyIn(allocate, array);
-      const ids = allocate(4 * count * most);
-      const distances = allocate(4 * count * most);
-      check(wasm.bvh_nearest(bvh, this.#dimensions, isDouble(array), from, count, most,
-        distanceOf('maxDistance', maxDistance), ids, distances));
-      return { k: most, ids: idsAt(ids, count * most), distances: floatsAt(distances, count * most) };
-    });
+    const limit = distanceOf('maxDistance', maxDistance);
+    const most = this.#most(k);
+    const [ids, distances] = this.#nearestOf(array, this.#dimensions, most, (bvh, rows, ...to) =>
+      wasm.hs_bvh_nearest_to_points(bvh, rows, most, limit, 0, ...to));
+    return { k: most, ids, distances };
   }
 
   raycast(origin, direction, maxT = Infinity) {
-    const dimensions = this.#dimensions;
-    const ray = [...rowOf('origin', origin, dimensions),
-      ...rowOf('direction', direction, dimensions), distanceOf('maxT', maxT)];
-    const { ids, ts } = this.raycastMany(Float32Array.from(ray));
+    const { ids, ts } = this.raycastMany(Float32Array.from([
+      ...rowOf('origin', origin, this.#dimensions),
+      ...rowOf('direction', direction, this.#dimensions), distanceOf('maxT', maxT)]));
     return ids[0] === NO_ID ? null : { id: ids[0], t: ts[0] };
   }
 
   raycastMany(rays) {
-    const bvh = this.#open();
     const values = 2 * this.#dimensions + 1;
     const array = Float32Array.from(numbersOf('rays', rays, values));
-    const count = array.length / values;
-    return withMemory((allocate) => {
-      const from = copyIn(allocate, array);
-      const ids = allocate(4 * count);
-      const ts = allocate(4 * count);
-      check(wasm.bvh_raycast(bvh, this.#dimensions, from, count, ids, ts));
-      return { ids: idsAt(ids, count), ts: floatsAt(ts, count) };
-    });
+    const [ids, ts] = this.#nearestOf(array, values, 1, (bvh, rows, ...to) =>
+      wasm.hs_bvh_raycast(bvh, rows, 0, 0, ...to));
+    return { ids, ts };
   }
 
-  pairs(margin = 0) { return this.#pairs(0, margin); }
+  pairs(margin = 0) { return this.#pairs(wasm.hs_bvh_pairs, [], margin); }
 
   join(other, margin = 0) {
-    if (!(other instanceof BVH)) fail('other', 'expected a BVH');
-    if (other.#dimensions !== this.#dimensions) {
-      fail('other', `expected a BVH of ${this.#dimensions} dimensions, got one of ${other.#dimensions}`);
-    }
-    return this.#pairs(other.#open(), margin);
-  }
-
-  #pairs(other, margin) {
-    const bvh = this.#open();
-    if (distanceOf('margin', margin) === Infinity) fail('margin', 'expected a finite number');
-    return resultsOf(() =>
-      wasm.bvh_pairs(bvh, other, margin, results, Math.floor(room / 2), oneResult), 2);
+    expect(other instanceof BVH, 'other', 'a BVH', other);
+    expect(other.#dimensions === this.#dimensions, 'other',
+      `a BVH of ${this.#dimensions} dimensions`, other.#dimensions);
+    return this.#pairs(wasm.hs_bvh_join, [other], margin);
   }
 
   insert(boxes) {
-    return this.#withBoxes(boxes, (allocate, count, ...rows) => {
+    return this.#withBoxes(boxes, (bvh, rows, count, allocate) => {
       const ids = allocate(4 * count);
-      check(wasm.bvh_insert(...rows, ids));
+      check(wasm.hs_bvh_insert(bvh, rows, ids));
       return idsAt(ids, count);
     });
   }
 
   set(ids, boxes) {
-    this.#withBoxes(boxes, (allocate, count, ...rows) =>
-      check(wasm.bvh_set(...rows, copyIn(allocate, idsOf(ids, count)))));
+    const list = idsOf(ids);
+    this.#withBoxes(boxes, (bvh, rows, count, allocate) => {
+      expect(list.length === count, 'ids', `as many as boxes, ${count}`, list.length);
+      check(wasm.hs_bvh_set(bvh, copyIn(allocate, list), rows));
+    });
   }
 
   erase(ids) {
-    const bvh = this.#open();
     const list = idsOf(ids);
+    const bvh = this.#open();
     withMemory((allocate) => check(wasm.hs_bvh_erase(bvh, copyIn(allocate, list), list.length)));
   }
 

@@ -11,6 +11,7 @@
 #ifndef HALFSPACE_BENCH_BASELINES_BOX_TREE_H_
 #define HALFSPACE_BENCH_BASELINES_BOX_TREE_H_
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -111,6 +112,31 @@ bool Touches(const Aabb<kDims>& a, const Aabb<kDims>& b) {
     touches &= b.min[k] <= a.max[k];
   }
   return touches;
+}
+
+// Whether these are the `count` boxes nearest to a point, or all if these are
+// fewer, by a loop over all boxes. Many are equally far away, so the distance
+// of the last is compared, which floats round.
+inline bool AreNearest(std::span<const Aabb3> boxes, const Point<3>& point,
+                       std::size_t count, std::span<const std::uint32_t> ids) {
+  const auto square_of = [&point](const Aabb3& box) {
+    double square = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double beyond =
+          std::max({box.min[k] - point[k], point[k] - box.max[k], 0.0f});
+      square += beyond * beyond;
+    }
+    return square;
+  };
+  if (ids.size() != std::min(count, boxes.size())) return false;
+  std::vector<double> squares;
+  for (const Aabb3& box : boxes) squares.push_back(square_of(box));
+  const auto last =
+      squares.begin() + static_cast<std::ptrdiff_t>(ids.size()) - 1;
+  std::nth_element(squares.begin(), last, squares.end());
+  double most = 0;
+  for (std::uint32_t id : ids) most = std::max(most, square_of(boxes[id]));
+  return most <= (1 + 1e-5) * *last;
 }
 
 }  // namespace halfspace::bench

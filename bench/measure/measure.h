@@ -93,6 +93,18 @@ double SecondsOf(const std::function<void()>& run);
 std::vector<Timing> Measure(const std::vector<Case>& cases,
                             const Effort& effort, Progress& progress);
 
+// The check of a case: is_right(i) must hold for all i below `count`.
+template <typename IsRight>
+std::function<std::string()> CheckOf(std::size_t count, const char* wrong,
+                                     IsRight is_right) {
+  return [count, wrong, is_right = std::move(is_right)]() -> std::string {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!is_right(i)) return std::to_string(i) + ": " + wrong;
+    }
+    return {};
+  };
+}
+
 // A case that calls call(i) `per_run` times a run, for i = 0, 1, ... below
 // `different`, and again. It is timed per call.
 template <typename Call>

@@ -1,12 +1,12 @@
 // Survivors with the paper's axes and with the axes of a regular simplex.
 #include <array>
 #include <cstddef>
-#include <vector>
+#include <span>
 
+#include "bench/base/shape.h"
 #include "bench/paper/points.h"
 #include "bench/sections/run.h"
 #include "halfspace/fit.h"
-#include "halfspace/reject.h"
 
 namespace halfspace::bench {
 namespace {
@@ -14,40 +14,34 @@ namespace {
 constexpr std::size_t kObjects = 32768;
 constexpr std::size_t kQueries = 8192;
 
-// Of the same points, on each kind of axes.
-using Bounds = std::array<Aabo3, 2>;
-constexpr std::array<const char*, 2> kAxes = {"standard", "regular"};
-
-Bounds BoundNext(const NextPoints& next) {
-  const std::span<const float> points = next();
-  return {BoundPoints(Points3{points.data(), points.size() / 3}),
-          BoundOnRegularAxes(points)};
-}
-
 void AddRows(Run& run, const char* name, const NextPoints& next, Table& table) {
+  // Of the same points, on each kind of axes.
+  constexpr std::array<const char*, 2> kAxes = {"standard", "regular"};
+  const auto bound_next = [&next]() -> std::array<Aabo3, 2> {
+    const std::span<const float> points = next();
+    return {BoundPoints(Points3{points.data(), points.size() / 3}),
+            BoundOnRegularAxes(points)};
+  };
   std::array<AaboWorld3, 2> worlds;
   for (std::size_t i = 0; i < kObjects; ++i) {
-    const Bounds object = BoundNext(next);
+    const auto object = bound_next();
     for (std::size_t a : {0, 1}) worlds[a].Push(object[a]);
   }
-  std::array<std::size_t, 2> simplex{};
-  std::array<std::size_t, 2> aabo{};
-  std::size_t boxes = 0;
+  std::array<PerShape<std::size_t>, 2> survivors;
   for (std::size_t q = 0; q < kQueries; ++q) {
-    const Bounds query = BoundNext(next);
-    boxes += CountSurvivors(worlds[0].view().aabb(), query[0].aabb());
+    const auto query = bound_next();
     for (std::size_t a : {0, 1}) {
-      simplex[a] += CountSurvivors(worlds[a].view().simplex(), query[a].down());
-      aabo[a] += CountSurvivors(worlds[a].view(), query[a]);
+      AddSurvivors(worlds[a].view(), query[a], survivors[a]);
     }
     run.progress.Update(static_cast<double>(q) / kQueries);
   }
-  const auto over = [boxes](std::size_t survivors) {
-    return static_cast<double>(survivors) / static_cast<double>(boxes);
-  };
   for (std::size_t a : {0, 1}) {
-    table.Add({name, kAxes[a], "simplex", simplex[a], over(simplex[a])});
-    table.Add({name, kAxes[a], "AABO", aabo[a], over(aabo[a])});
+    for (ShapeKind shape : {ShapeKind::kSimplex, ShapeKind::kAabo}) {
+      const std::size_t count = survivors[a].Of(shape);
+      table.Add({name, kAxes[a], NameOf(shape), count,
+                 static_cast<double>(count) /
+                     static_cast<double>(survivors[0].aabb)});
+    }
   }
 }
 

@@ -17,15 +17,6 @@
 namespace halfspace::bench {
 namespace {
 
-std::vector<std::size_t> WidthsFrom(std::size_t lanes) {
-  std::vector<std::size_t> widths;
-  for (std::size_t w = std::max<std::size_t>(1, lanes); w <= kWidestGate;
-       w *= 2) {
-    widths.push_back(w);
-  }
-  return widths;
-}
-
 // The same stages in groups of 16 with branches and with lists, and flat, by
 // the size of objects. Only for vectors: without them a group is 16 objects one
 // by one.
@@ -72,13 +63,12 @@ Tables BranchTables(Run& run) {
       if (target.lanes() < 4 || staged == nullptr) continue;
       Contest ns(run, "gate");
       for (ShapeKind shape : kCompared) {
-        for (const auto& each : kWays) {
-          const Way way = each.first;
-          const std::size_t planes = each.second;
-          ns.Add({NameOf(target), percent, NameOf(shape), NameOf(way), planes},
-                 set.LoopCase(shape, [=](auto... of) {
-                   staged(shape, way, planes, of...);
-                 }));
+        for (const auto& [way, planes] : kWays) {
+          ns.Add(
+              {NameOf(target), percent, NameOf(shape), NameOf(way), planes},
+              set.LoopCase(shape, [=, way = way, planes = planes](auto... of) {
+                staged(shape, way, planes, of...);
+              }));
         }
       }
       ns.Time(effort);
@@ -86,35 +76,30 @@ Tables BranchTables(Run& run) {
       for (std::size_t s = 0; s < kCompared.size(); ++s) {
         const std::size_t flat = s * of_shape;
         for (std::size_t planes : {1, 2}) {
-          const Timing& branches = ns.timing(flat + 2 * planes - 1);
-          const Timing& lists = ns.timing(flat + 2 * planes);
-          times.Add({NameOf(target), percent, NameOf(kCompared[s]), planes,
-                     ns.timing(flat).Median(), branches.Median(),
-                     lists.Median(), RangeOf(RatiosOf(branches, lists))});
+          const std::size_t lists = flat + 2 * planes;
+          times.Add(
+              {NameOf(target), percent, NameOf(kCompared[s]), planes,
+               ns.Median(flat), ns.Median(lists - 1), ns.Median(lists),
+               RangeOf(RatiosOf(ns.timing(lists - 1), ns.timing(lists)))});
         }
       }
-      // The faster number of planes, of cases `at` and `at + 2`.
-      const auto faster = [&ns](std::size_t at) {
-        return ns.timing(at).Median() <= ns.timing(at + 2).Median() ? at
-                                                                    : at + 2;
+      // The fastest of some cases, for each of the two shapes.
+      const auto add = [&](const char* way,
+                           const std::vector<std::size_t>& cases) {
+        const auto fastest = [&](std::size_t first) {
+          std::size_t best = cases[0];
+          for (std::size_t c : cases) {
+            if (ns.Median(first + c) < ns.Median(first + best)) best = c;
+          }
+          return ns.timing(first + best);
+        };
+        ratios.Add({NameOf(target), percent, way,
+                    Marked(RangeOf(RatiosOf(fastest(0), fastest(of_shape))))});
       };
-      const auto fastest = [&](std::size_t flat) {
-        std::size_t best = flat;
-        for (std::size_t each : {faster(flat + 1), faster(flat + 2)}) {
-          if (ns.timing(each).Median() < ns.timing(best).Median()) best = each;
-        }
-        return best;
-      };
-      const auto add = [&](const char* way, std::size_t box,
-                           std::size_t simplex) {
-        ratios.Add(
-            {NameOf(target), percent, way,
-             Marked(RangeOf(RatiosOf(ns.timing(box), ns.timing(simplex))))});
-      };
-      add("flat", 0, of_shape);
-      add("branches", faster(1), faster(of_shape + 1));
-      add("lists", faster(2), faster(of_shape + 2));
-      add("fastest", fastest(0), fastest(of_shape));
+      add("flat", {0});
+      add("branches", {1, 3});
+      add("lists", {2, 4});
+      add("fastest", {0, 1, 2, 3, 4});
     }
   }
   if (times.rows.empty()) return {};
@@ -142,15 +127,15 @@ Tables RunGate(Run& run) {
   std::vector<Target> targets = run.targets;
   std::reverse(targets.begin(), targets.end());
   for (Target target : targets) {
-    for (std::size_t w : WidthsFrom(target.lanes())) {
+    for (std::size_t w = std::max<std::size_t>(1, target.lanes());
+         w <= kWidestGate; w *= 2) {
       Contest ns(run, "gate");
       for (ShapeKind shape : kShapes) {
         ns.Add({NameOf(target), w, NameOf(shape)},
                GatedCase(set, shape, target, w));
       }
       ns.Time();
-      table.Add({NameOf(target), w, ns.timing(0).Median(),
-                 ns.timing(1).Median(), ns.timing(2).Median(),
+      table.Add({NameOf(target), w, ns.Median(0), ns.Median(1), ns.Median(2),
                  Marked(RangeOf(RatiosOf(ns.timing(0), ns.timing(1))))});
     }
   }

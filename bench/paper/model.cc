@@ -18,27 +18,21 @@
 namespace halfspace::bench {
 namespace {
 
-// The world of the verdict that is most like the paper's, whose objects take 2
-// % of the side; that of a file.
+// The world of the verdict whose objects take 2 % of the side, as the paper's;
+// that of a file.
 const VerdictWorld& TypicalOf(const Verdict& verdict) {
-  return *std::min_element(verdict.worlds().begin(), verdict.worlds().end(),
-                           [](const VerdictWorld& a, const VerdictWorld& b) {
-                             return std::abs(a.percent - 2.0) <
-                                    std::abs(b.percent - 2.0);
-                           });
+  const VerdictWorld* typical = &verdict.worlds()[0];
+  for (const VerdictWorld& world : verdict.worlds()) {
+    if (world.percent == 2.0) typical = &world;
+  }
+  return *typical;
 }
 
-// What one more plane costs an object in flat kernels.
+// What one more plane costs an object in flat kernels of 4 and 6 planes.
 double CompareNanoseconds(const VerdictWorld& world, std::size_t target) {
-  const auto median = [&](std::size_t contender) {
-    return RangeOf(world.OfGroups(target,
-                                  [contender](const GroupTimes& group) {
-                                    return group.ns[contender];
-                                  }))
-        .median;
-  };
-  // 4 planes and 6 planes.
-  return std::max(0.0, (median(kFlatBox) - median(kFlatSimplex)) / 2.0);
+  return std::max(0.0, (world.TimingOf(target, kFlatBox).Median() -
+                        world.TimingOf(target, kFlatSimplex).Median()) /
+                           2.0);
 }
 
 // Whether the paper's inequality predicts the winner, for each world.
@@ -61,14 +55,14 @@ Table DensityTable(const Verdict& verdict, std::size_t target,
     constexpr double kFewest = 30.0 / kTimedQueries;
     const bool is_counted = survivors.aabb >= kFewest;
     const double c = is_counted ? survivors.simplex / survivors.aabb : 1.0;
-    const double saved =
-        GroupRange(world.OfGroups(target, [](const GroupTimes& group) {
-          return group.box - group.simplex;
-        })).median;
-    const double break_even = BreakEven(saved, (c - 1.0) * box);
-    const double limit = DensityLimit(c, compare, exact.ns.median);
-    const Winner winner =
-        WinnerOf(world.BoxOverSimplex(target, exact.ns.median));
+    std::vector<double> saved;
+    for (const GroupTimes& group : world.times[target]) {
+      saved.push_back(group.box - group.simplex);
+    }
+    const double break_even =
+        BreakEven(GroupRange(saved).median, (c - 1.0) * box);
+    const double limit = DensityLimit(c, compare, exact.ns);
+    const Winner winner = WinnerOf(world.BoxOverSimplex(target, exact.ns));
     table.Add({world.name(), exact.name, survivors.aabb,
                is_counted ? Cell(c) : Cell(), 100.0 * box,
                is_counted ? Cell(100.0 * limit) : Cell(),
@@ -122,39 +116,37 @@ Table AdvantageTable(Run& run, const VerdictWorld& typical,
   WorkCounter counter(set.view());
   for (const Aabo3& query : workload.queries) counter.Add(query);
   const WorkCount work = counter.Average();
-  // The share of pairs that survive.
-  const auto survive = [&](ShapeKind shape) {
-    return static_cast<double>(counter.survivors().Of(shape)) /
-           static_cast<double>(set.objects() * workload.queries.size());
-  };
-  const double of_box = survive(ShapeKind::kAabb);
-  const double of_simplex = survive(ShapeKind::kSimplex);
   const double compare = CompareNanoseconds(typical, verdict_target);
   const ExactTest exact = run.TheExactTest();
   const Target target = run.best();
-  const std::vector<double> reached_box = counter.Reached(ShapeKind::kAabb);
-  const std::vector<double> reached_simplex =
-      counter.Reached(ShapeKind::kSimplex);
-  const auto by_formula = [&](double w) {
-    return Advantage({HalfSpacesByFormula(reached_box, w), of_box},
-                     {HalfSpacesByFormula(reached_simplex, w), of_simplex},
-                     compare, exact.ns.median);
+  // With the share of pairs that survive.
+  const auto cost_of = [&](ShapeKind shape, double half_spaces) -> ShapeCost {
+    return {half_spaces,
+            static_cast<double>(counter.survivors().Of(shape)) /
+                static_cast<double>(set.objects() * workload.queries.size())};
+  };
+  const auto advantage = [&](double of_box, double of_simplex) {
+    return Advantage(cost_of(ShapeKind::kAabb, of_box),
+                     cost_of(ShapeKind::kSimplex, of_simplex), compare,
+                     exact.ns);
+  };
+  const auto by_formula = [&](ShapeKind shape, std::size_t w) {
+    return HalfSpacesByFormula(counter.Reached(shape), static_cast<double>(w));
   };
   Table table{"model: Adv(w)",
               "ns that the simplex saves per object, with exact tests of " +
-                  Fixed(exact.ns.median, 0) + " ns, " + NameOf(target) + ", L2",
+                  Fixed(exact.ns, 0) + " ns, " + NameOf(target) + ", L2",
               {Key("w"), Value("E[C] box"), Value("E[C] simplex"),
                Value("by 1 - p^w", "ns", 3), Value("Adv(w)", "ns", 3),
                Value("measured", "ns", 3)}};
   for (std::size_t i = 0; i < kWorkWidths.size(); ++i) {
     const std::size_t w = kWorkWidths[i];
-    const ShapeCost box{work.aabb[i], of_box};
-    const ShapeCost simplex{work.simplex[i], of_simplex};
     Row row = {w,
-               box.half_spaces,
-               simplex.half_spaces,
-               by_formula(static_cast<double>(w)),
-               Advantage(box, simplex, compare, exact.ns.median),
+               work.aabb[i],
+               work.simplex[i],
+               advantage(by_formula(ShapeKind::kAabb, w),
+                         by_formula(ShapeKind::kSimplex, w)),
+               advantage(work.aabb[i], work.simplex[i]),
                Cell()};
     if (w >= target.lanes()) {
       Contest ns(run, "model");
@@ -164,8 +156,8 @@ Table AdvantageTable(Run& run, const VerdictWorld& typical,
       ns.Time();
       std::vector<double> saved = ns.timing(0).samples;
       for (std::size_t s = 0; s < saved.size(); ++s) {
-        saved[s] -= ns.timing(1).samples[s] +
-                    (simplex.survivors - box.survivors) * exact.ns.median;
+        // Without half-spaces, that of the exact tests.
+        saved[s] += advantage(0.0, 0.0) - ns.timing(1).samples[s];
       }
       row.back() = RangeOf(saved);
     }

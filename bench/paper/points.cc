@@ -12,18 +12,13 @@
 #include "bench/worlds/random.h"
 
 namespace halfspace::bench {
-namespace {
-
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr double kMostFloat = std::numeric_limits<float>::max();
-
 float RoundedDown(double value) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  constexpr double kMostFloat = std::numeric_limits<float>::max();
   if (value < -kMostFloat) return -kInfinity;
   const auto rounded = static_cast<float>(std::min(value, kMostFloat));
   return rounded > value ? std::nextafter(rounded, -kInfinity) : rounded;
 }
-
-}  // namespace
 
 NextPoints ScenePoints(std::uint64_t seed) {
   return [clouds = std::make_shared<MovedClouds<3>>(seed)] {

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "bench/worlds/moved_clouds.h"
-#include "halfspace/fit.h"
 #include "halfspace/world.h"
 
 namespace halfspace::bench {
@@ -33,17 +32,14 @@ inline constexpr float kCloudRadius = kDims == 2   ? 0.175f
 template <int kDims>
 SceneOf<kDims> MakeSceneOf(std::size_t objects, std::size_t queries,
                            std::uint64_t seed) {
-  constexpr auto kSize = static_cast<std::size_t>(kDims);
-  MovedClouds<kSize> clouds(seed);
+  MovedClouds<static_cast<std::size_t>(kDims)> clouds(seed);
   clouds.Scale(kCloudRadius<kDims>);
   SceneOf<kDims> scene;
-  const auto next = [&clouds] {
-    const auto points = clouds.Next();
-    return BoundPoints(Points<kDims>{points.data(), points.size() / kSize});
-  };
   scene.objects.Reserve(objects);
-  for (std::size_t i = 0; i < objects; ++i) scene.objects.Push(next());
-  for (std::size_t i = 0; i < queries; ++i) scene.queries.push_back(next());
+  while (scene.objects.size() < objects) scene.objects.Push(clouds.NextBound());
+  while (scene.queries.size() < queries) {
+    scene.queries.push_back(clouds.NextBound());
+  }
   return scene;
 }
 

@@ -2,7 +2,6 @@
 // how many its bounds in pieces do.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "bench/base/text.h"
+#include "bench/paper/work_count.h"
 #include "bench/sections/run.h"
 #include "bench/worlds/random.h"
 #include "halfspace/fit.h"
@@ -36,16 +36,16 @@ const std::array<NamedDirection, 3> kDirections = {
 constexpr std::array<std::size_t, 7> kPieces = {1, 2, 4, 8, 16, 32, 1024};
 
 // A segment of that length, its middle uniform in the box.
-Segment3 MakeSegment(const Direction& direction, double length,
-                     const Aabb3& box, Random& random) {
-  Direction along = direction;
-  double square = along[0] * along[0] + along[1] * along[1];
-  while (square < 0x1p-10) {
-    const std::array<float, 3> point = PointInUnitSphere(random);
-    std::copy(point.begin(), point.end(), along.begin());
-    square = along[0] * along[0] + along[1] * along[1] + along[2] * along[2];
-  }
-  if (direction == Direction{}) {
+Segment3 MakeSegment(Direction along, double length, const Aabb3& box,
+                     Random& random) {
+  if (along == Direction{}) {
+    double square = 0.0;
+    while (square < 0x1p-10) {
+      square = 0.0;
+      const std::array<float, 3> point = PointInUnitSphere(random);
+      std::copy(point.begin(), point.end(), along.begin());
+      for (double x : along) square += x * x;
+    }
     for (double& x : along) x /= std::sqrt(square);
   }
   Segment3 segment;
@@ -60,9 +60,9 @@ Segment3 MakeSegment(const Direction& direction, double length,
   return segment;
 }
 
-// The objects that at least one piece of a segment keeps.
-std::vector<std::uint64_t> KeptBy(ShapeKind shape, const AaboView3& view,
-                                  const Segment3& segment, std::size_t count) {
+// How many objects at least one piece of a segment keeps.
+double KeptBy(ShapeKind shape, const AaboView3& view, const Segment3& segment,
+              std::size_t count) {
   std::vector<Aabo3> pieces(count);
   BoundSegmentPieces(segment, std::span<Aabo3>(pieces));
   std::vector<std::uint64_t> mask(MaskWords(view.size));
@@ -73,13 +73,7 @@ std::vector<std::uint64_t> KeptBy(ShapeKind shape, const AaboView3& view,
     });
     for (std::size_t w = 0; w < all.size(); ++w) all[w] |= mask[w];
   }
-  return all;
-}
-
-double CountOf(const std::vector<std::uint64_t>& mask) {
-  double sum = 0.0;
-  for (std::uint64_t word : mask) sum += std::popcount(word);
-  return sum;
+  return static_cast<double>(BatchesLeft(all, 1));
 }
 
 }  // namespace
@@ -92,7 +86,7 @@ Tables RunSegments(Run& run) {
   const Aabb3 box = BoxAround(world);
   double side = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {
-    side = std::max(side, double{box.max[k]} - double{box.min[k]});
+    side = std::max(side, double{box.max[k]} - box.min[k]);
   }
   Random random(run.options.seed);
   Table table{
@@ -108,8 +102,7 @@ Tables RunSegments(Run& run) {
       const Segment3 segment = MakeSegment(direction.along, side, box, random);
       for (std::size_t p = 0; p < kPieces.size(); ++p) {
         for (ShapeKind shape : kShapes) {
-          sums[p].Of(shape) +=
-              CountOf(KeptBy(shape, world.view(), segment, kPieces[p]));
+          sums[p].Of(shape) += KeptBy(shape, world.view(), segment, kPieces[p]);
         }
       }
     }

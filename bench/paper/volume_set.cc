@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <string_view>
 #include <utility>
 
 #include "bench/paper/loops.h"
@@ -20,11 +19,6 @@ namespace {
 // The scalar loop is slow: in large worlds it answers one query.
 constexpr std::size_t kCheckedPairs = std::size_t{1} << 20;
 
-Schedule ScheduleOf(std::string_view name) {
-  if (name == "flat") return Schedule::kFlat;
-  return name == "staged" ? Schedule::kStaged : Schedule::kStagedByAxis;
-}
-
 bool IsWithinReach(const Sphere<3>& a, const Sphere<3>& b, double factor) {
   double square = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -32,9 +26,6 @@ bool IsWithinReach(const Sphere<3>& a, const Sphere<3>& b, double factor) {
     square += along * along;
   }
   const double reach = factor * (double{a.radius} + double{b.radius});
-  // As a float such a square is infinite, and rejects nothing.
-  constexpr double kMost = std::numeric_limits<float>::max();
-  if (factor > 1.0 && reach * reach > kMost) return true;
   return square <= reach * reach;
 }
 
@@ -56,14 +47,6 @@ std::pair<std::size_t, double> FarthestFrom(const Middle& center,
     if (square > farthest.second) farthest = {i, square};
   }
   return farthest;
-}
-
-// Not below `value`, and infinite if no float is.
-float RoundedUp(double value) {
-  constexpr float kInfinite = std::numeric_limits<float>::infinity();
-  if (!(value <= std::numeric_limits<float>::max())) return kInfinite;
-  const auto rounded = static_cast<float>(value);
-  return rounded < value ? std::nextafter(rounded, kInfinite) : rounded;
 }
 
 }  // namespace
@@ -101,14 +84,15 @@ Sphere<3> SphereAround(std::span<const float> points) {
     sphere.center[k] = static_cast<float>(best[k]);
     center[k] = sphere.center[k];
   }
-  sphere.radius =
-      RoundedUp(std::sqrt(FarthestFrom(center, points).second) * kDoubleSlack);
+  sphere.radius = -RoundedDown(-std::sqrt(FarthestFrom(center, points).second) *
+                               kDoubleSlack);
   return sphere;
 }
 
 Sphere<3> Inflated(const Sphere<3>& sphere) {
-  return {sphere.center,
-          RoundedUp(sphere.radius * (1.0 + 0x1p-20) * kDoubleSlack + 0x1p-60)};
+  return {
+      sphere.center,
+      -RoundedDown(-sphere.radius * (1.0 + 0x1p-20) * kDoubleSlack - 0x1p-60)};
 }
 
 VolumeBounds BoundVolumes(std::span<const float> points) {
@@ -143,7 +127,6 @@ VolumeSet::VolumeSet(const NextPoints& next, std::size_t size,
   prisms_ = {{view.min[0], view.min[1], hexagons.min[0], view.min[2]},
              {view.max[0], view.max[1], hexagons.min[1], view.max[2]},
              size};
-  sphere_planes_ = spheres_.view().min;
 }
 
 template <typename F>
@@ -165,65 +148,58 @@ void VolumeSet::With(Volume volume, const VolumeBounds& query, F f) const {
   }
 }
 
-void VolumeSet::Scan(const VolumeTest& test, const VolumeBounds& query,
-                     Target target) {
-  if (test.volume == Volume::kSphere) {
+void VolumeSet::Scan(Volume volume, const VolumeBounds& query,
+                     const Options& options) {
+  if (volume == Volume::kSphere) {
     const auto& [center, radius] = query.sphere;
     const float values[] = {center[0], center[1], center[2], radius};
-    return PaperLoopsFor(target).spheres(sphere_planes_.data(), values, size(),
-                                         mask_.data());
+    return PaperLoopsFor(options.target)
+        .spheres(spheres_.view().min.data(), values, size(), mask_.data());
   }
-  With(test.volume, query, [&](const auto& view, const auto& bound) {
-    SurvivorMask(view, bound, mask_,
-                 {.schedule = ScheduleOf(test.schedule), .target = target});
+  With(volume, query, [&](const auto& view, const auto& bound) {
+    SurvivorMask(view, bound, mask_, options);
   });
 }
 
-std::string VolumeSet::Check(const VolumeTest& test, Target target) {
-  const std::size_t queries =
-      std::clamp<std::size_t>(kCheckedPairs / size(), 1, queries_.size());
+bool VolumeSet::IsRight(Volume volume, const VolumeBounds& query) const {
   std::vector<std::uint64_t> rejected(mask_.size());
-  for (std::size_t q = 0; q < queries; ++q) {
-    const VolumeBounds& query = queries_[q];
-    std::fill(mask_.begin(), mask_.end(), 0x5555555555555555);
-    Scan(test, query, target);
-    With(test.volume, query, [&](const auto& view, const auto& bound) {
-      reference::RejectMask(view, bound, rejected.data());
-    });
-    for (std::size_t i = 0; i < size(); ++i) {
-      const bool is_kept = (mask_[i / 64] >> (i % 64) & 1) != 0;
-      const bool is_right =
-          test.volume != Volume::kSphere
-              ? is_kept != ((rejected[i / 64] >> (i % 64) & 1) != 0)
-              // The kernels round; 2^-20 is more (Inflated()).
-              : is_kept == IsWithinReach(objects_[i % kDifferentVolumes].sphere,
-                                         query.sphere,
-                                         is_kept ? 1 + 0x1p-20 : 1 - 0x1p-20);
-      if (!is_right) {
-        return "query " + std::to_string(q) + ", object " + std::to_string(i) +
-               ": the mask is not the scalar loop's";
-      }
-    }
+  With(volume, query, [&](const auto& view, const auto& bound) {
+    reference::RejectMask(view, bound, rejected.data());
+  });
+  for (std::size_t i = 0; i < size(); ++i) {
+    const bool is_kept = (mask_[i / 64] >> (i % 64) & 1) != 0;
+    const bool is_right =
+        volume != Volume::kSphere
+            ? is_kept != ((rejected[i / 64] >> (i % 64) & 1) != 0)
+            // The kernels round; 2^-20 is more (Inflated()).
+            : is_kept == IsWithinReach(objects_[i % kDifferentVolumes].sphere,
+                                       query.sphere,
+                                       is_kept ? 1 + 0x1p-20 : 1 - 0x1p-20);
+    if (!is_right) return false;
   }
-  return {};
+  return true;
 }
 
-Case VolumeSet::MakeCase(const VolumeTest& test, Target target) {
-  Case c = CaseOfQueries(
-      queries_.size(), size(),
-      [this, test, target](std::size_t q) { Scan(test, queries_[q], target); });
+Case VolumeSet::MakeCase(Volume volume, const Options& options) {
+  const auto scan = [this, volume, options](std::size_t q) {
+    Scan(volume, queries_[q], options);
+  };
+  Case c = CaseOfQueries(queries_.size(), size(), scan);
   c.items *= static_cast<double>(size());
-  c.check = [this, test, target] { return Check(test, target); };
+  c.check = CheckOf(
+      std::clamp<std::size_t>(kCheckedPairs / size(), 1, queries_.size()),
+      "the mask is not the scalar loop's", [this, volume, scan](std::size_t q) {
+        std::fill(mask_.begin(), mask_.end(), 0x5555555555555555);
+        scan(q);
+        return IsRight(volume, queries_[q]);
+      });
   return c;
 }
 
 std::size_t VolumeSet::Survivors(Volume volume, std::size_t queries) {
-  const auto* test = std::find_if(
-      kVolumeTests.begin(), kVolumeTests.end(),
-      [volume](const VolumeTest& any) { return any.volume == volume; });
   std::size_t count = 0;
   for (std::size_t q = 0; q < std::min(queries, queries_.size()); ++q) {
-    Scan(*test, queries_[q], ChosenTarget());
+    Scan(volume, queries_[q], {.target = ChosenTarget()});
     for (std::uint64_t word : mask_) {
       count += static_cast<std::size_t>(std::popcount(word));
     }

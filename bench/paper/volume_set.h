@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/base/shape.h"
 #include "bench/measure/measure.h"
 #include "bench/paper/points.h"
 #include "halfspace/bounds.h"
@@ -41,24 +42,11 @@ constexpr std::size_t PlanesOf(Volume volume) {
   return kCounts[static_cast<std::size_t>(volume)];
 }
 
-// A volume and the order of its test. By axis, an octahedron is a k-DOP of
-// pairs of planes.
-struct VolumeTest {
-  Volume volume;
-  const char* schedule;
-};
-inline constexpr std::array<VolumeTest, 11> kVolumeTests = {
-    {{Volume::kSimplex, "flat"},
-     {Volume::kAabb, "flat"},
-     {Volume::kAabb, "staged"},
-     {Volume::kAabo, "flat"},
-     {Volume::kAabo, "staged"},
-     {Volume::kAabo, "by-axis"},
-     {Volume::kPrism, "flat"},
-     {Volume::kPrism, "staged"},
-     {Volume::kPrism, "by-axis"},
-     {Volume::kHalfPrism, "flat"},
-     {Volume::kSphere, "flat"}}};
+// By axis, an octahedron is a k-DOP of pairs of planes.
+constexpr std::span<const NamedSchedule> SchedulesOf(Volume volume) {
+  constexpr std::size_t kCounts[] = {1, 2, 3, 3, 1, 1};
+  return std::span(kSchedules).first(kCounts[static_cast<std::size_t>(volume)]);
+}
 
 // A sphere around points, x y z each, at least one. It is at most a
 // few percent larger than the smallest one, and for a segment or a box as small
@@ -99,18 +87,19 @@ class VolumeSet {
   std::size_t size() const { return aabos_.size(); }
 
   // Scans for one query after the other; checked, and timed per object.
-  Case MakeCase(const VolumeTest& test, Target target);
+  Case MakeCase(Volume volume, const Options& options);
 
   // Of the first `queries` queries.
   std::size_t Survivors(Volume volume, std::size_t queries);
 
  private:
   // Writes the survivor mask.
-  void Scan(const VolumeTest& test, const VolumeBounds& query, Target target);
+  void Scan(Volume volume, const VolumeBounds& query, const Options& options);
   // Calls f(view, query) with the objects' bounds, unless they are spheres.
   template <typename F>
   void With(Volume volume, const VolumeBounds& query, F f) const;
-  std::string Check(const VolumeTest& test, Target target);
+  // Whether the mask is that of a scalar loop.
+  bool IsRight(Volume volume, const VolumeBounds& query) const;
 
   std::vector<VolumeBounds> objects_;
   std::vector<VolumeBounds> queries_;
@@ -119,7 +108,6 @@ class VolumeSet {
   // Worlds, for the alignment of their planes.
   SimplexWorld3 spheres_;   // x, y, z, radius
   SimplexWorld2 hexagons_;  // -(X + Y): minima, maxima, and again
-  std::array<const float*, 4> sphere_planes_{};
   std::vector<std::uint64_t> mask_;
 };
 

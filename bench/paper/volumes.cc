@@ -1,8 +1,8 @@
 // The paper's bounding volumes side by side: at the same layout, in other
 // dimensions, around boxes; and what the second simplex of an AABO costs.
 #include <algorithm>
-#include <array>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -32,34 +32,37 @@ std::size_t ObjectsOf(const Run& run) {
 }
 
 Table VolumesTable(Run& run) {
-  const std::uint64_t seed = run.options.seed;
   Table table{"volumes",
               "bounding volumes of the scene at the same layout",
               {Key("volume"), Key("schedule"), Key("set"), Key("target"),
                Value("bytes", "", 0), Value("time", "ns", 4),
                Lower("over simplex"), Value("survivors / AABB")}};
-  std::array<double, kVolumes> survivors{};
-  const auto over_aabb = [&survivors](Volume volume) {
-    return survivors[static_cast<std::size_t>(volume)] /
-           std::max(survivors[static_cast<std::size_t>(Volume::kAabb)], 1.0);
-  };
+  std::map<Volume, double> survivors;
   for (const WorkingSetSize& size : run.Reached({"L2", "memory"})) {
-    VolumeSet set(ScenePoints(seed), size.objects, kTimedQueries);
+    VolumeSet set(ScenePoints(run.options.seed), size.objects, kTimedQueries);
     for (std::size_t v = 0; v < kVolumes && size.name == "L2"; ++v) {
-      survivors[v] = static_cast<double>(
-          set.Survivors(static_cast<Volume>(v), kCountedPairs / size.objects));
+      const auto volume = static_cast<Volume>(v);
+      survivors[volume] = static_cast<double>(
+          set.Survivors(volume, kCountedPairs / size.objects));
     }
     for (Target target : run.TargetsIn(size.name)) {
       Contest ns(run, "volumes");
-      for (const VolumeTest& test : kVolumeTests) {
-        ns.Add({NameOf(test.volume), test.schedule, size.name, NameOf(target)},
-               set.MakeCase(test, target));
+      std::vector<Volume> volumes;
+      for (std::size_t v = 0; v < kVolumes; ++v) {
+        const auto volume = static_cast<Volume>(v);
+        for (const auto& [name, schedule] : SchedulesOf(volume)) {
+          ns.Add(
+              {NameOf(volume), name, size.name, NameOf(target)},
+              set.MakeCase(volume, {.schedule = schedule, .target = target}));
+          volumes.push_back(volume);
+        }
       }
       ns.Time();
-      ns.AddTo(table, [&](std::size_t t) -> Row {
-        const Volume volume = kVolumeTests[t].volume;
-        return {PlanesOf(volume) * sizeof(float), ns.timing(t).Median(),
-                RatioOf(ns.timing(t), ns.timing(0)), over_aabb(volume)};
+      ns.AddTo(table, [&](std::size_t i) -> Row {
+        return {
+            PlanesOf(volumes[i]) * sizeof(float), ns.Median(i),
+            RatioOf(ns.timing(i), ns.timing(0)),
+            survivors[volumes[i]] / std::max(survivors[Volume::kAabb], 1.0)};
       });
     }
   }
@@ -74,52 +77,50 @@ Table VolumesTable(Run& run) {
 // The scene of so many dimensions, with planes of that many bytes.
 template <int kDims>
 void AddDimension(Run& run, std::size_t bytes, Table& table) {
-  constexpr std::size_t kCheckedQueries = 2;
   const SceneOf<kDims> scene = MakeSceneOf<kDims>(
       std::max(kSetStep, bytes / sizeof(Aabo<kDims>) / kSetStep * kSetStep),
       kTimedQueries, run.options.seed);
   const AaboView<kDims> view = scene.objects.view();
   const Target target = run.best();
   std::vector<std::uint64_t> mask(MaskWords(view.size));
-  Contest ns(run, "volumes");
-  const auto add = [&](ShapeKind shape, const char* schedule, Schedule how) {
-    const auto scan = [&, shape, how](std::size_t q) {
-      WithShape(shape, view, scene.queries[q],
-                [&](const auto& objects, const auto& query) {
-                  RejectMask(objects, query, mask,
-                             {.schedule = how, .target = target});
-                });
-    };
-    Case c = CaseOfQueries(scene.queries.size(), view.size, scan);
-    c.items *= static_cast<double>(view.size);
-    c.check = [&, shape, scan]() -> std::string {
-      std::vector<std::uint64_t> expected(mask.size());
-      for (std::size_t q = 0; q < kCheckedQueries; ++q) {
-        WithShape(shape, view, scene.queries[q],
-                  [&](const auto& objects, const auto& query) {
-                    reference::RejectMask(objects, query, expected.data());
-                  });
-        scan(q);
-        if (mask != expected) return "the mask is not the scalar reference's";
-      }
-      return {};
-    };
-    ns.Add({std::size_t{kDims}, NameOf(shape), schedule}, std::move(c));
+  std::vector<std::uint64_t> expected(mask.size());
+  // Calls f(view, query) with those of a shape.
+  const auto with = [&](ShapeKind shape, std::size_t q, auto f) {
+    WithShape(shape, view, scene.queries[q], f);
   };
-  add(ShapeKind::kSimplex, "flat", Schedule::kFlat);
-  for (ShapeKind shape : {ShapeKind::kAabb, ShapeKind::kAabo}) {
-    add(shape, "flat", Schedule::kFlat);
-    add(shape, "staged", Schedule::kStaged);
+  Contest ns(run, "volumes");
+  for (ShapeKind shape :
+       {ShapeKind::kSimplex, ShapeKind::kAabb, ShapeKind::kAabo}) {
+    const std::size_t schedules = shape == ShapeKind::kSimplex ? 1 : 2;
+    for (const auto& [name, how] : SchedulesOf(shape).first(schedules)) {
+      const Options options{.schedule = how, .target = target};
+      const auto scan = [&, shape, options](std::size_t q) {
+        with(shape, q, [&](const auto& objects, const auto& query) {
+          RejectMask(objects, query, mask, options);
+        });
+      };
+      Case c = CaseOfQueries(scene.queries.size(), view.size, scan);
+      c.items *= static_cast<double>(view.size);
+      c.check = CheckOf(
+          2, "not the scalar reference's", [&, shape, scan](std::size_t q) {
+            with(shape, q, [&](const auto& objects, const auto& query) {
+              reference::RejectMask(objects, query, expected.data());
+            });
+            scan(q);
+            return mask == expected;
+          });
+      ns.Add({std::size_t{kDims}, NameOf(shape), name}, std::move(c));
+    }
   }
   ns.Time();
-  const auto ns_of = [&ns](std::size_t i) { return ns.timing(i).Median(); };
   PerShape<double> survivors;
   for (std::size_t q = 0;
        q < std::min(scene.queries.size(), kCountedPairs / view.size); ++q) {
     AddSurvivors(view, scene.queries[q], survivors);
   }
-  table.Add({std::size_t{kDims}, NameOf(target), ns_of(0), ns_of(1),
-             std::min(ns_of(1), ns_of(2)), std::min(ns_of(3), ns_of(4)),
+  table.Add({std::size_t{kDims}, NameOf(target), ns.Median(0), ns.Median(1),
+             std::min(ns.Median(1), ns.Median(2)),
+             std::min(ns.Median(3), ns.Median(4)),
              survivors.simplex / survivors.aabb});
 }
 
@@ -173,7 +174,7 @@ Table BoxesTable(Run& run) {
                set.LibraryCase(ShapeKind::kAabo, {.target = target}));
         ns.Time();
         for (std::size_t i = 0; i < ns.size(); ++i) {
-          row.push_back(ns.timing(i).Median());
+          row.push_back(ns.Median(i));
         }
         row.push_back(Marked(RatioOf(ns.fastest(), ns.timing(4))));
         table.Add(std::move(row));
@@ -224,7 +225,7 @@ Tables RunDual(Run& run) {
       table.Add({content.name, set->name(), NameOf(target),
                  100.0 * static_cast<double>(batches) /
                      static_cast<double>(set->mask().size() * counted),
-                 ns.timing(0).Median(), ns.timing(1).Median(),
+                 ns.Median(0), ns.Median(1),
                  RatioOf(ns.timing(1), ns.timing(0))});
     }
   }

@@ -50,13 +50,14 @@ class Structures {
   double MeanSurvivors() const {
     const std::size_t counted = std::min<std::size_t>(256, queries_.size());
     std::size_t sum = 0;
-    for (std::size_t q = 0; q < counted; ++q) {
-      sum += CountSurvivors(view_, queries_[q]);
-    }
+    for (std::size_t q = 0; q < counted; ++q) sum += CountOf(q);
     return static_cast<double>(sum) / static_cast<double>(counted);
   }
 
  private:
+  std::size_t CountOf(std::size_t q) const {
+    return CountSurvivors(view_, queries_[q], {.schedule = Schedule::kFlat});
+  }
   // A query lists as many survivors as a flat scan counts, for some queries.
   template <typename World>
   Case CaseOf(const World& world) {
@@ -65,16 +66,10 @@ class Structures {
     };
     Case c = CaseOfQueries(queries_.size(), view_.size,
                            [find](std::size_t q) { std::ignore = find(q); });
-    c.check = [this, find]() -> std::string {
-      for (std::size_t q = 0; q < std::min<std::size_t>(64, queries_.size());
-           ++q) {
-        if (find(q) !=
-            CountSurvivors(view_, queries_[q], {.schedule = Schedule::kFlat})) {
-          return "the survivors are not as many as a flat scan finds";
-        }
-      }
-      return {};
-    };
+    c.check =
+        CheckOf(std::min<std::size_t>(64, queries_.size()),
+                "the survivors are not as many as a flat scan finds",
+                [this, find](std::size_t q) { return find(q) == CountOf(q); });
     return c;
   }
 
@@ -90,13 +85,14 @@ class Structures {
 
 // One method to answer a query with a list of survivors.
 struct Method {
-  std::string shape;
-  std::string structure;  // "scan" or "BVH"
-  std::string precision;  // "floats" or "uint8"
-  Timing time;            // of a query, with the exact test of survivors
+  Row words;    // as Structures::AddTo() has them
+  Timing time;  // of a query, with the exact test of survivors
 
-  std::string name() const { return shape + " " + structure + " " + precision; }
+  std::string name() const {
+    return words[0].text + " " + words[1].text + " " + words[2].text;
+  }
 };
+enum Word : std::size_t { kShape, kStructure, kPrecision };
 using Methods = std::vector<Method>;
 
 // The fastest first.
@@ -116,17 +112,12 @@ Methods MeasureMethods(Run& run, const AaboWorld3& world) {
   const std::array<double, 3> survivors = {
       simplex.MeanSurvivors(), aabb.MeanSurvivors(), aabo.MeanSurvivors()};
   // Enough for a range that another run does not leave.
-  Effort effort = run.effort;
-  if (run.options.repetitions == 0) effort.repetitions = kGroups;
-  contest.Time(effort);
-  const double exact_ns = run.TheExactTest().ns.median;
+  contest.Time(run.RepetitionsOr(kGroups));
   Methods methods;
   for (std::size_t i = 0; i < contest.size(); ++i) {
-    const Row& keys = contest.keys(i);
-    methods.push_back(
-        {keys[0].text, keys[1].text, keys[2].text, contest.timing(i)});
+    methods.push_back({contest.keys(i), contest.timing(i)});
     for (double& ns : methods.back().time.samples) {
-      ns += exact_ns * survivors[i / 3];
+      ns += run.TheExactTest().ns * survivors[i / 3];
     }
   }
   std::stable_sort(methods.begin(), methods.end(),
@@ -150,13 +141,13 @@ void AddAnswer(Table& table, const std::string& question,
   }
 }
 
-// The fastest method, and the fastest of those that differ from it in a field.
+// The fastest method, and the fastest of those that differ from it in a word.
 void AddMethods(Table& table, const char* question, const Methods& methods,
-                std::string Method::*field) {
+                Word word) {
   const Method& best = methods.front();
   const auto other = std::find_if(
       methods.begin(), methods.end(),
-      [&](const Method& method) { return method.*field != best.*field; });
+      [&](const Method& any) { return any.words[word] != best.words[word]; });
   AddAnswer(table, question, best.name(), other->name(),
             GroupRange(RatiosOf(other->time, best.time)));
 }
@@ -166,13 +157,13 @@ void AddThreads(const Table& threads, Table& table) {
     if (!row[3].value || *row[1].value == 1.0) continue;
     const std::string all =
         std::to_string(static_cast<int>(*row[1].value)) + " threads";
-    const Ratio times{*row[3].value, row[3].spread->first,
-                      row[3].spread->second};
-    const Ratio of_one{1.0 / times.median, 1.0 / times.high, 1.0 / times.low};
-    if (times.median >= 1.0) {
-      AddAnswer(table, "threads: " + row[0].text, all, "one thread", times);
+    const auto [low, high] = *row[3].spread;
+    const std::string question = "threads: " + row[0].text;
+    if (const double times = *row[3].value; times >= 1.0) {
+      AddAnswer(table, question, all, "one thread", {times, low, high});
     } else {
-      AddAnswer(table, "threads: " + row[0].text, "one thread", all, of_one);
+      AddAnswer(table, question, "one thread", all,
+                {1.0 / times, 1.0 / high, 1.0 / low});
     }
   }
   for (const std::string& note : threads.notes) table.notes.push_back(note);
@@ -187,29 +178,22 @@ Table AnswersTable(Run& run) {
   const AaboWorld3 world = Thinned(
       run.Measured().objects, run.is_quick() ? kMostObjects / 8 : kMostObjects);
   const Methods methods = MeasureMethods(run, world);
-  AddMethods(table, "shape", methods, &Method::shape);
+  AddMethods(table, "shape", methods, kShape);
   Methods scans = methods;
-  std::erase_if(
-      scans, [](const Method& method) { return method.structure != "scan"; });
-  AddMethods(table, "precision of scans", scans, &Method::precision);
-  AddMethods(table, "structure", methods, &Method::structure);
+  std::erase_if(scans, [](const Method& any) {
+    return any.words[kStructure].text != "scan";
+  });
+  AddMethods(table, "precision of scans", scans, kPrecision);
+  AddMethods(table, "structure", methods, kStructure);
   const ExactTest exact = run.TheExactTest();
   table.notes.push_back(
       "Measured on " + Grouped(world.size()) + " objects of " +
       (run.input() != nullptr
            ? run.input()->name + "."
            : "the scene. They take 2 % of the world's side.") +
-      " The exact test of a survivor takes " + Fixed(exact.ns.median, 0) +
-      " ns (" + exact.name +
-      "). \"No difference\" is one of less than a twentieth.");
+      " The exact test of a survivor takes " + Fixed(exact.ns, 0) + " ns (" +
+      exact.name + "). \"No difference\" is one of less than a twentieth.");
   AddThreads(run.threads, table);
-  if (!run.machine.HasCache(3)) {
-    table.notes.push_back(
-        "The system names no third-level cache: the size of \"memory\" is a "
-        "guess, of " +
-        Mebibytes(WorkingSetSizes(run.machine).back().bytes) +
-        " for the simplex.");
-  }
   return table;
 }
 
@@ -219,19 +203,12 @@ Table AnswersTable(Run& run) {
 // infinite if it never does.
 double PaysFrom(double make, double query, double other_make,
                 double other_query) {
-  if (query >= other_query) return std::numeric_limits<double>::infinity();
-  return std::max(1.0, (make - other_make) / (other_query - query));
-}
-
-// The number of queries, or "never".
-Cell QueriesCell(const Ratio& queries) {
-  if (!std::isfinite(queries.median)) return "never";
-  return Ratio{std::ceil(queries.median), std::ceil(queries.low),
-               std::ceil(queries.high)};
+  if (query >= other_query) return kInfinity;
+  return std::ceil(std::max(1.0, (make - other_make) / (other_query - query)));
 }
 
 // A world of boxes in three structures.
-Row StructuresRow(Run& run, std::size_t objects, const Effort& effort) {
+Row StructuresRow(Run& run, std::size_t objects) {
   constexpr double kShare = 0.02;  // of the world's side: the paper's density
   constexpr BuildOptions kFast = {.quality = BuildQuality::kFast};
   const Workload scene =
@@ -248,10 +225,10 @@ Row StructuresRow(Run& run, std::size_t objects, const Effort& effort) {
   };
   add("encode", [&] { return QuantizedWorld<AabbView3>(view); });
   add("build", [&] { return Bvh<AabbView3>(view, kFast); });
-  contest.Time(effort);
+  contest.Time(run.RepetitionsOr(9));
   std::vector<double> encoding_pays;
   std::vector<double> bvh_pays;
-  for (std::size_t r = 0; r < effort.repetitions; ++r) {
+  for (std::size_t r = 0; r < run.RepetitionsOr(9); ++r) {
     const auto of = [&](Job job) { return contest.timing(job).samples[r]; };
     const double encoding =
         PaysFrom(of(kEncode), of(kQuantized), 0.0, of(kScan));
@@ -266,10 +243,12 @@ Row StructuresRow(Run& run, std::size_t objects, const Effort& effort) {
   }
   Row row = {objects};
   for (std::size_t i = 0; i < contest.size(); ++i) {
-    row.emplace_back(contest.timing(i).Median() / 1e3);
+    row.emplace_back(contest.Median(i) / 1e3);
   }
-  row.push_back(QueriesCell(GroupRange(encoding_pays)));
-  row.push_back(QueriesCell(GroupRange(bvh_pays)));
+  for (const auto& pays : {encoding_pays, bvh_pays}) {
+    const Ratio from = GroupRange(pays);
+    row.push_back(std::isfinite(from.median) ? Cell(from) : "never");
+  }
   return row;
 }
 
@@ -283,12 +262,9 @@ Table StructuresTable(Run& run) {
        Value("encoding pays from", "", 0), Value("a BVH pays from", "", 0)}};
   table.chart = Chart{
       "objects", {"encoding pays from", "a BVH pays from"}, "", true, true};
-  Effort effort = run.effort;
-  effort.repetitions =
-      run.options.repetitions != 0 ? run.options.repetitions : 9;
   for (std::size_t objects : {100, 1000, 10'000, 100'000, 1'000'000}) {
     if (run.options.objects != 0 && objects > run.options.objects) continue;
-    table.Add(StructuresRow(run, objects, effort));
+    table.Add(StructuresRow(run, objects));
   }
   // The page needs the answers alone.
   if (run.is_page()) {
@@ -306,11 +282,9 @@ Table StructuresTable(Run& run) {
 
 Tables RunAnswers(Run& run) {
   if (run.machine.is_emulated) {
-    return {{"answers",
-             "what to use on this machine",
-             {},
-             {},
-             {"The CPU is emulated: there are no answers."}}};
+    return {{.name = "answers",
+             .title = "what to use on this machine",
+             .notes = {"The CPU is emulated: there are no answers."}}};
   }
   return {AnswersTable(run), StructuresTable(run)};
 }

@@ -1,6 +1,5 @@
 // BroadPhase next to the broad phases of other libraries and to a plain Bvh.
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -12,63 +11,9 @@
 #include "bench/baselines/body_space.h"
 #include "bench/sections/contest.h"
 #include "bench/worlds/body_scene.h"
-#include "halfspace/bvh.h"
-#include "halfspace/bvh_pairs.h"
 
 namespace halfspace::bench {
 namespace {
-
-// The pairs of boxes that touch and have one that moved, the lesser index
-// first.
-template <int kDims>
-std::vector<IndexPair> TouchingPairs(const std::vector<Aabb<kDims>>& boxes,
-                                     const std::vector<bool>& is_moved) {
-  std::vector<IndexPair> pairs;
-  ForEachPair(Bvh<AabbView<kDims>>(boxes), [&](Span<const IdPair> found) {
-    for (const auto& [a, b] : found) {
-      if (is_moved[a] || is_moved[b]) {
-        pairs.push_back({std::min(a, b), std::max(a, b)});
-      }
-    }
-  });
-  std::sort(pairs.begin(), pairs.end());
-  return pairs;
-}
-
-// Compares the pairs that were found after some bodies have moved to a state.
-// Those that touch by less than the slack may be missing.
-template <int kDims>
-std::string CheckPairs(const BodyScene<kDims>& scene,
-                       const std::vector<std::uint32_t>& moved,
-                       std::size_t state, float slack,
-                       std::vector<IndexPair>& found) {
-  std::vector<Aabb<kDims>> boxes = scene.At(scene.AllIds(), 0);
-  const std::vector<Aabb<kDims>> now = scene.At(moved, state);
-  std::vector<bool> is_moved(boxes.size());
-  for (std::size_t i = 0; i < moved.size(); ++i) {
-    boxes[moved[i]] = now[i];
-    is_moved[moved[i]] = true;
-  }
-  for (IndexPair& pair : found) std::sort(pair.begin(), pair.end());
-  std::sort(found.begin(), found.end());
-  const std::vector<IndexPair> most = TouchingPairs(boxes, is_moved);
-  for (Aabb<kDims>& box : boxes) {
-    float square = 0;
-    for (std::size_t k = 0; k < kDims; ++k) {
-      const float far = std::max(std::abs(box.min[k]), std::abs(box.max[k]));
-      square += far * far;
-    }
-    for (std::size_t k = 0; k < kDims; ++k) {
-      box.min[k] += slack * std::sqrt(square);
-      box.max[k] -= slack * std::sqrt(square);
-    }
-  }
-  const std::vector<IndexPair> least = TouchingPairs(boxes, is_moved);
-  const bool is_right =
-      std::includes(found.begin(), found.end(), least.begin(), least.end()) &&
-      std::includes(most.begin(), most.end(), found.begin(), found.end());
-  return is_right ? "" : "the pairs are not those of a BVH";
-}
 
 // A frame: `percent` of the bodies move, and then the pairs of these are
 // listed.
@@ -102,17 +47,16 @@ void RunFrames(Run& run, BodyKind kind, std::size_t bodies, std::size_t percent,
       const std::size_t turn = (i + 2) % kTurns;
       frame(std::min(turn, kTurns - turn));
     });
-    c.check = [&, space, frame] {
+    c.check = CheckOf(1, "not the pairs of a BVH", [&, space, frame](auto) {
       frame(1);
-      return CheckPairs(scene, moved, 1, space->Slack(), found);
-    };
+      return scene.ArePairs(moved, 1, space->Slack(), found);
+    });
     contest.Add(
         {std::string(NameOf(kind)) + (kDims == 2 ? " 2D" : " 3D"), bodies,
          "frame of " + std::to_string(percent) + " %", each.name},
         std::move(c), each.is_ours ? Who::kOurs : Who::kCompetitor);
   }
-  contest.TimeOnce(
-      std::min<std::size_t>(run.effort.repetitions, bodies < 10'000 ? 5 : 3));
+  contest.TimeOnce(run.AtMostRepetitions(bodies < 10'000 ? 5 : 3));
   contest.AddTo(table, [&](std::size_t i) -> Row {
     const Ratio ns = SpreadOf(contest.timing(i));
     return {Ratio{ns.median / 1e3, ns.low / 1e3, ns.high / 1e3},

@@ -3,11 +3,10 @@
 #include <array>
 #include <bit>
 #include <cstdint>
-#include <functional>
 #include <limits>
-#include <memory>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -27,129 +26,113 @@ Effort ShareOf(Effort effort) {
   return effort;
 }
 
-// What a bulk builder bounds: as many shapes as take about `all_bytes` with
-// their bounds, where the objects of a workload lie.
-struct Source {
-  Source(const char* name, std::size_t bytes_of_shape, std::size_t all_bytes)
-      : shapes(name), bytes(bytes_of_shape + sizeof(Aabo3)) {
-    constexpr std::size_t kStep = 128;
-    objects = std::max(kStep, all_bytes / bytes / kStep * kStep);
-    built.Resize(objects);
-  }
-
-  const char* shapes;
-  std::size_t bytes;  // of an object, read and written
-  std::size_t objects = 0;
-  AaboWorld3 built;
-  std::function<Target(const FitOptions& options, AaboPlanes3 planes)> build;
-  std::function<Aabo3(std::size_t object)> single;  // by its builder of fit.h
-};
-
 Aabb3 BoxOf(const Workload& workload, std::size_t i) {
   return workload.objects.Get(i % workload.objects.size()).aabb();
 }
 
-Point<3> MiddleOf(const Aabb3& box) {
-  Point<3> middle;
+Point3 MiddleOf(const Aabb3& box) {
+  Point3 middle;
   for (std::size_t k = 0; k < 3; ++k) {
     middle[k] = 0.5f * box.min[k] + 0.5f * box.max[k];
   }
   return middle;
 }
 
-Source BoxesSource(const Workload& workload, std::size_t bytes) {
-  Source source("boxes", sizeof(Aabb3), bytes);
-  auto boxes = std::make_shared<AabbWorld3>();
-  for (std::size_t i = 0; i < source.objects; ++i) {
-    boxes->Push(BoxOf(workload, i));
-  }
-  source.build = [boxes](const FitOptions& options, AaboPlanes3 planes) {
-    return BoundBoxes(BoxesOf(boxes->view()), planes, options);
-  };
-  source.single = [boxes](std::size_t i) { return BoundAabb(boxes->Get(i)); };
-  return source;
-}
+// What bulk builders bound, where the objects of a workload lie: of each kind
+// the bytes of a shape, its builder, and that of a single shape of fit.h.
+struct Boxes {
+  static constexpr const char* kName = "boxes";
+  static constexpr std::size_t kBytes = sizeof(Aabb3);
 
-// The spheres within the boxes' longest sides. Their planes, the center's and
-// the radius', are a SimplexWorld's, for its alignment.
-Source SpheresSource(const Workload& workload, std::size_t bytes) {
-  Source source("spheres", sizeof(Sphere3), bytes);
-  auto columns = std::make_shared<SimplexWorld3>();
-  for (std::size_t i = 0; i < source.objects; ++i) {
-    const Aabb3 box = BoxOf(workload, i);
-    const Point<3> center = MiddleOf(box);
-    float radius = 0.0f;
-    for (std::size_t k = 0; k < 3; ++k) {
-      radius = std::max(radius, box.max[k] - center[k]);
-    }
-    columns->Push(UpSimplex3{{center[0], center[1], center[2], radius}});
+  Boxes(const Workload& workload, std::size_t objects) {
+    for (std::size_t i = 0; i < objects; ++i) world.Push(BoxOf(workload, i));
   }
-  source.build = [columns](const FitOptions& options, AaboPlanes3 planes) {
-    const auto [min, size] = columns->view();
+  Target Build(const FitOptions& options, AaboPlanes3 planes) const {
+    return BoundBoxes(BoxesOf(world.view()), planes, options);
+  }
+  Aabo3 Single(std::size_t i) const { return BoundAabb(world.Get(i)); }
+
+  AabbWorld3 world;
+};
+
+// The spheres within the boxes' longest sides.
+struct Balls {
+  static constexpr const char* kName = "spheres";
+  static constexpr std::size_t kBytes = sizeof(Sphere3);
+
+  Balls(const Workload& workload, std::size_t objects) {
+    for (std::size_t i = 0; i < objects; ++i) {
+      const Aabb3 box = BoxOf(workload, i);
+      const auto [x, y, z] = MiddleOf(box);
+      const float radius =
+          std::max({0.0f, box.max[0] - x, box.max[1] - y, box.max[2] - z});
+      columns.Push(UpSimplex3{{x, y, z, radius}});
+    }
+  }
+  Target Build(const FitOptions& options, AaboPlanes3 planes) const {
+    const auto [min, size] = columns.view();
     return BoundSpheres(
         Spheres<3>{{min[0], min[1], min[2]}, min[3], size, /*stride=*/1},
         planes, options);
-  };
-  source.single = [columns](std::size_t i) {
-    const auto [x, y, z, radius] = columns->Get(i).min;
+  }
+  Aabo3 Single(std::size_t i) const {
+    const auto [x, y, z, radius] = columns.Get(i).min;
     return BoundSphere(Sphere3{{x, y, z}, radius});
-  };
-  return source;
-}
+  }
+
+  SimplexWorld3 columns;  // x, y, z, radius: a world for its alignment
+};
 
 // A grid, which has half as many vertices as triangles, as closed meshes do.
-Source TrianglesSource(const Workload& workload, std::size_t bytes) {
-  constexpr std::size_t kRow = 64;  // vertices
-  struct Mesh {
-    std::vector<float> coords;
-    std::vector<std::uint32_t> indices;
-    Points3 vertices() const { return {coords.data(), coords.size() / 3}; }
-  };
-  Source source("triangles", 3 * sizeof(std::uint32_t) + sizeof(Point<3>) / 2,
-                bytes);
-  auto mesh = std::make_shared<Mesh>();
-  const std::size_t vertices = source.objects / 2;
-  for (std::size_t v = 0; v < vertices; ++v) {
-    const Point<3> at = MiddleOf(BoxOf(workload, v));
-    mesh->coords.insert(mesh->coords.end(), at.begin(), at.end());
-    for (std::size_t corner :
-         {v, v + 1, v + kRow, v + 1, v + kRow, v + kRow + 1}) {
-      mesh->indices.push_back(static_cast<std::uint32_t>(corner % vertices));
+struct Triangles {
+  static constexpr const char* kName = "triangles";
+  static constexpr std::size_t kBytes =
+      3 * sizeof(std::uint32_t) + sizeof(Point3) / 2;
+
+  Triangles(const Workload& workload, std::size_t objects) {
+    constexpr std::size_t kRow = 64;  // vertices
+    for (std::size_t v = 0; v < objects / 2; ++v) {
+      const Point3 at = MiddleOf(BoxOf(workload, v));
+      coords.insert(coords.end(), at.begin(), at.end());
+      for (std::size_t corner :
+           {v, v + 1, v + kRow, v + 1, v + kRow, v + kRow + 1}) {
+        indices.push_back(static_cast<std::uint32_t>(corner % (objects / 2)));
+      }
     }
   }
-  source.build = [mesh](const FitOptions& options, AaboPlanes3 planes) {
-    return BoundTriangles(mesh->vertices(), mesh->indices, planes, options);
-  };
-  source.single = [mesh](std::size_t i) {
-    return BoundPoints(mesh->vertices(), std::span<const std::uint32_t>(
-                                             &mesh->indices[3 * i], 3));
-  };
-  return source;
-}
+  Points3 Vertices() const { return {coords.data(), coords.size() / 3}; }
+  Target Build(const FitOptions& options, AaboPlanes3 planes) const {
+    return BoundTriangles(Vertices(), indices, planes, options);
+  }
+  Aabo3 Single(std::size_t i) const {
+    return BoundPoints(Vertices(), std::span(indices).subspan(3 * i, 3));
+  }
+
+  std::vector<float> coords;
+  std::vector<std::uint32_t> indices;
+};
 
 // Builds with these options. Empty if the bounds of some objects enclose those
-// of fit.h and are equal to them in X, Y and Z; else what is wrong.
-std::string CheckBuild(Source& source, const FitOptions& options) {
+// of single shapes and are equal to them in X, Y and Z; else what is wrong.
+template <typename Shapes>
+std::string CheckBuild(const Shapes& shapes, const FitOptions& options,
+                       AaboWorld3& built) {
   constexpr std::size_t kChecked = 64;
   constexpr std::size_t kD = 3;
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  const AaboPlanes3 planes = source.built.planes();
-  const std::size_t step = std::max<std::size_t>(1, source.objects / kChecked);
+  const std::size_t step = std::max<std::size_t>(1, built.size() / kChecked);
   // What is looked at afterwards must have been written.
-  for (std::size_t i = 0; i < source.objects; i += step) {
-    for (float* plane : planes.min) plane[i] = kNan;
-    for (float* plane : planes.max) plane[i] = kNan;
-  }
-  if (source.build(options, planes) != options.target) {
+  Aabo3 unwritten;
+  unwritten.min.fill(std::numeric_limits<float>::quiet_NaN());
+  unwritten.max = unwritten.min;
+  for (std::size_t i = 0; i < built.size(); i += step) built.Set(i, unwritten);
+  if (shapes.Build(options, built.planes()) != options.target) {
     return "another target ran";
   }
-  for (std::size_t i = 0; i < source.objects; i += step) {
-    const Aabo3 built = source.built.Get(i);
-    const Aabo3 single = source.single(i);
-    const bool is_right = built.aabb() == single.aabb() &&
-                          built.min[kD] <= single.min[kD] &&
-                          built.max[kD] >= single.max[kD];
-    if (!is_right) {
+  for (std::size_t i = 0; i < built.size(); i += step) {
+    const Aabo3 bulk = built.Get(i);
+    const Aabo3 single = shapes.Single(i);
+    if (bulk.aabb() != single.aabb() || !(bulk.min[kD] <= single.min[kD]) ||
+        !(bulk.max[kD] >= single.max[kD])) {
       return "object " + std::to_string(i) +
              ": not the bound of the builder of one shape";
     }
@@ -157,21 +140,30 @@ std::string CheckBuild(Source& source, const FitOptions& options) {
   return {};
 }
 
-// The builds of one kind at one size, and the copies they are measured by.
-void AddBuilds(Run& run, Source source, const std::string& set, Table& table) {
+// The builds of one kind at one size, and the copies they are measured by: as
+// many shapes as take about so many bytes with their bounds.
+template <typename Shapes>
+void AddBuilds(Run& run, const WorkingSetSize& size, Table& table) {
+  constexpr std::size_t kStep = 128;
+  constexpr std::size_t kBytes = Shapes::kBytes + sizeof(Aabo3);
+  const std::size_t objects =
+      std::max(kStep, size.bytes / kBytes / kStep * kStep);
+  const Shapes shapes(run.Measured(), objects);
+  AaboWorld3 built;
+  built.Resize(objects);
   // A copy reads half of its bytes and writes the other half, with the widest
   // vectors. Stores past the caches are faster or not.
   struct alignas(64) Lines {
     std::array<std::uint32_t, 64> words;
   };
-  std::vector<Lines> from(source.objects * source.bytes / 2 / sizeof(Lines));
+  std::vector<Lines> from(objects * kBytes / 2 / sizeof(Lines));
   std::vector<Lines> to(from.size());
   const auto copy = LoopsFor(SupportedTargets().front()).copy;
-  const std::string shapes = source.shapes;
-  Contest contest(run, "build/" + set);
+  const bool is_large = size.name == "memory";
+  Contest contest(run, "build/" + size.name);
   for (bool streamed : {false, true}) {
-    contest.Add({shapes, "copy"},
-                CaseOfObjects(source.objects,
+    contest.Add({Shapes::kName, "copy"},
+                CaseOfObjects(objects,
                               [&, copy, streamed] {
                                 copy(streamed, from[0].words.data(),
                                      to[0].words.data(),
@@ -183,31 +175,28 @@ void AddBuilds(Run& run, Source source, const std::string& set, Table& table) {
     for (bool tightest : {false, true}) {
       // The tightest D of a triangle is that of its corners, and of a sphere it
       // is computed for so long that the size of the set tells nothing more.
-      if (tightest &&
-          (shapes == "triangles" || (shapes == "spheres" && set == "memory"))) {
-        continue;
-      }
+      constexpr bool kIsBall = std::is_same_v<Shapes, Balls>;
+      constexpr bool kIsTriangle = std::is_same_v<Shapes, Triangles>;
+      if (tightest && (kIsTriangle || (kIsBall && is_large))) continue;
       const FitOptions options{.tightest = tightest, .target = target};
-      Case c = CaseOfObjects(source.objects, [&, options] {
-        source.build(options, source.built.planes());
-      });
-      c.check = [&, options] { return CheckBuild(source, options); };
-      contest.Add({shapes, "aabo", tightest ? "tightest" : "within-ulp",
-                   NameOf(target), set, source.objects},
+      Case c = CaseOfObjects(
+          objects, [&, options] { shapes.Build(options, built.planes()); });
+      c.check = [&, options] { return CheckBuild(shapes, options, built); };
+      contest.Add({Shapes::kName, "aabo", tightest ? "tightest" : "within-ulp",
+                   NameOf(target), size.name, objects},
                   std::move(c));
     }
   }
   contest.Time(ShareOf(run.effort));
   contest.AddTo(table, [&](std::size_t i) -> Row {
-    const Timing& timing = contest.timing(i);
-    return {timing.Median(),
-            static_cast<double>(source.bytes) / timing.Median(),
-            RatioOf(contest.fastest(), timing).Percent()};
+    return {contest.Median(i), kBytes / contest.Median(i),
+            RatioOf(contest.fastest(), contest.timing(i)).Percent()};
   });
 }
 
 // Each builder of fit.h and transform.h in 3 dimensions, over random shapes.
 void AddSingles(Run& run, Table& table) {
+  using I = std::size_t;
   constexpr std::size_t kPoints = 64;
   constexpr std::size_t kPieces = 16;
   // So many shapes: with 256 in turn most calls take half as long, because a
@@ -227,42 +216,35 @@ void AddSingles(Run& run, Table& table) {
     length[i] = 1.25f + 0.75f * random.Signed();
     bound[i] = BoundSegment(Segment3{a[i], b[i]});
   }
-  const auto map_of = [&](std::size_t i) -> Affine3 {
+  const auto map_of = [&](I i) -> Affine3 {
     return {{b[i], c[i], a[i]}, c[i]};
   };
   // Around a, closed: a cube whose faces lean by a little.
-  const auto planes_of = [&](std::size_t i) {
+  const auto planes_of = [&](I i) {
     std::array<HalfSpace3, 6> planes{};
-    for (std::size_t f = 0; f < planes.size(); ++f) {
-      Point3 normal{};
-      for (std::size_t k = 0; k < 3; ++k) normal[k] = 0.002f * b[i][k];
+    for (I f = 0; f < planes.size(); ++f) {
+      auto& [normal, offset] = planes[f];
+      for (I k = 0; k < 3; ++k) normal[k] = 0.002f * b[i][k];
       normal[f / 2] += f % 2 == 0 ? 1.0f : -1.0f;
-      float offset = length[i];
-      for (std::size_t k = 0; k < 3; ++k) offset -= normal[k] * a[i][k];
-      planes[f] = {normal, offset};
+      offset = length[i] - Dot(normal, a[i]);
     }
     return planes;
   };
 
   Contest contest(run, "single");
-  // build(i) bounds shape i.
-  const auto add = [&](const char* name, auto build, std::size_t items = 1) {
+  // build(i) bounds shape i, or as many `items` of it.
+  const auto add = [&](const char* name, std::size_t items, auto build) {
     constexpr std::size_t kCallsOfRun = 256;
     Case call;
     call.items = static_cast<double>(kCallsOfRun * items);
-    call.check = [build]() -> std::string {
-      for (std::size_t i = 0; i < kCallsOfRun; ++i) {
-        using Bound = decltype(build(i));
-        if (build(i) == Bound::Everything()) {
-          return "shape " + std::to_string(i) + " was not bounded";
-        }
-      }
-      return {};
-    };
-    call.run = [build, next = std::size_t{0}]() mutable {
+    call.check = CheckOf(kCallsOfRun, "was not bounded", [build](I i) {
+      using Bound = decltype(build(i));
+      return build(i) != Bound::Everything();
+    });
+    call.run = [build, next = I{0}]() mutable {
       // The bits of a minimum, so that no call is left out.
       std::uint32_t digest = 0;
-      for (std::size_t i = 0; i < kCallsOfRun; ++i) {
+      for (I i = 0; i < kCallsOfRun; ++i) {
         digest ^= std::bit_cast<std::uint32_t>(build(next).min.back());
         next = next + 1 == kTimedQueries ? 0 : next + 1;
       }
@@ -270,58 +252,54 @@ void AddSingles(Run& run, Table& table) {
     };
     contest.Add({name}, std::move(call));
   };
-  using I = std::size_t;
-  add("BoundPoint", [&](I i) { return BoundPoint<3>(a[i]); });
-  add(
-      "BoundPoints, a point",
-      [&](I i) {
-        return BoundPoints(Points3{a[i].data(), kPoints});
-      },
-      kPoints);
-  add("BoundSegment", [&](I i) { return BoundSegment(Segment3{a[i], b[i]}); });
-  add("BoundTriangle", [&](I i) {
+  add("BoundPoint", 1, [&](I i) { return BoundPoint<3>(a[i]); });
+  add("BoundPoints, a point", kPoints, [&](I i) {
+    return BoundPoints(Points3{a[i].data(), kPoints});
+  });
+  add("BoundSegment", 1, [&](I i) {
+    return BoundSegment(Segment3{a[i], b[i]});
+  });
+  add("BoundTriangle", 1, [&](I i) {
     return BoundTriangle(Triangle3{a[i], b[i], c[i]});
   });
-  add("BoundAabb", [&](I i) { return BoundAabb(bound[i].aabb()); });
-  add("BoundOrientedBox", [&](I i) {
+  add("BoundAabb", 1, [&](I i) { return BoundAabb(bound[i].aabb()); });
+  add("BoundOrientedBox", 1, [&](I i) {
     return BoundOrientedBox(OrientedBox3{
         a[i], {b[i], c[i], a[i]}, {length[i], length[i], length[i]}});
   });
-  add("BoundSphere", [&](I i) {
+  add("BoundSphere", 1, [&](I i) {
     return BoundSphere(Sphere3{a[i], length[i]});
   });
-  add("BoundCapsule", [&](I i) {
+  add("BoundCapsule", 1, [&](I i) {
     return BoundCapsule(Capsule3{a[i], b[i], length[i]});
   });
-  add("BoundRay", [&](I i) { return BoundRay(Ray3{a[i], b[i], length[i]}); });
-  add(
-      "BoundSegmentPieces, a piece",
-      [&](I i) {
-        std::array<Aabo3, kPieces> pieces;
-        BoundSegmentPieces<3>({a[i], b[i]}, pieces);
-        return pieces.back();
-      },
-      kPieces);
-  add("BoundFrustum", [&](I i) { return BoundFrustum(planes_of(i)); });
-  add("BoundTransformed, a point", [&](I i) {
+  add("BoundRay", 1, [&](I i) {
+    return BoundRay(Ray3{a[i], b[i], length[i]});
+  });
+  add("BoundSegmentPieces, a piece", kPieces, [&](I i) {
+    std::array<Aabo3, kPieces> pieces;
+    BoundSegmentPieces<3>({a[i], b[i]}, pieces);
+    return pieces.back();
+  });
+  add("BoundFrustum", 1, [&](I i) { return BoundFrustum(planes_of(i)); });
+  add("BoundTransformed, a point", 1, [&](I i) {
     return BoundTransformed(Points3{a[i].data(), 1}, map_of(i));
   });
-  add("BoundTransformed, a box",
+  add("BoundTransformed, a box", 1,
       [&](I i) { return BoundTransformed(bound[i].aabb(), map_of(i)); });
-  add("Merge",
+  add("Merge", 1,
       [&](I i) { return Merge(bound[i], bound[kTimedQueries - 1 - i]); });
-  add("Inflate", [&](I i) { return Inflate(bound[i], length[i]); });
-  add("InflateByBox", [&](I i) { return InflateByBox(bound[i], length[i]); });
-  add("Translate", [&](I i) { return Translate(bound[i], c[i]); });
-  add("TranslateVertices",
+  add("Inflate", 1, [&](I i) { return Inflate(bound[i], length[i]); });
+  add("InflateByBox", 1,
+      [&](I i) { return InflateByBox(bound[i], length[i]); });
+  add("Translate", 1, [&](I i) { return Translate(bound[i], c[i]); });
+  add("TranslateVertices", 1,
       [&](I i) { return TranslateVertices(bound[i], c[i]); });
-  add("Scale", [&](I i) { return Scale(bound[i], length[i]); });
-  add("Sweep", [&](I i) { return Sweep(bound[i], c[i]); });
-  add("Circumscribe", [&](I i) { return Circumscribe(bound[i].down()); });
+  add("Scale", 1, [&](I i) { return Scale(bound[i], length[i]); });
+  add("Sweep", 1, [&](I i) { return Sweep(bound[i], c[i]); });
+  add("Circumscribe", 1, [&](I i) { return Circumscribe(bound[i].down()); });
   contest.Time(ShareOf(run.effort));
-  contest.AddTo(table, [&](std::size_t i) -> Row {
-    return {SpreadOf(contest.timing(i))};
-  });
+  contest.AddTo(table);
 }
 
 }  // namespace
@@ -335,16 +313,15 @@ Tables RunBuild(Run& run) {
   Table singles{"build: single",
                 "one shape at a time, in 3 dimensions",
                 {Key("call"), Lower("time", "ns")}};
-  const Workload& workload = run.Measured();
+  run.Measured();
   Parts parts;
   for (const WorkingSetSize& size : run.Reached({"L2", "memory"})) {
-    for (auto make : {BoxesSource, SpheresSource, TrianglesSource}) {
-      if (run.is_quick() && size.name == "memory" && make != BoxesSource) {
+    for (const auto add :
+         {&AddBuilds<Boxes>, &AddBuilds<Balls>, &AddBuilds<Triangles>}) {
+      if (run.is_quick() && size.name == "memory" && add != &AddBuilds<Boxes>) {
         continue;
       }
-      parts.emplace_back([&, size, make] {
-        AddBuilds(run, make(workload, size.bytes), size.name, builds);
-      });
+      parts.emplace_back([&, size, add] { add(run, size, builds); });
     }
   }
   parts.emplace_back([&] { AddSingles(run, singles); });

@@ -45,88 +45,76 @@ constexpr float kSide2D = 0.37f;
 
 // One kind of query, by BVHs and by others: all queries in a row, and in turns
 // with the others if `is_in_turns`. The first `checked` are checked.
-class Search {
- public:
-  Search(Run& run, std::string world, std::size_t objects, std::size_t checked,
-         bool is_in_turns)
-      : world_(std::move(world)),
-        objects_(objects),
-        checked_(checked),
-        is_in_turns_(is_in_turns),
-        row_(run, "bvh"),
-        turns_(run, "bvh, in turns") {}
+template <typename Answer>
+struct Search {
+  Run& run;
+  std::string world;
+  std::size_t objects;
+  bool is_in_turns;
+  std::size_t checked;
+  // Whether that is the answer to query number q.
+  std::function<bool(std::size_t q, Answer answer)> is_right;
+  Contest row{run, "bvh"};
+  Contest turns{run, "bvh, in turns"};
 
-  // find(q) answers query number q, `in_a_row` of them a run, and is_right(q,
-  // find(q)) tells whether that is the answer.
-  template <typename Find, typename IsRight>
-  void Add(const std::string& name, const std::string& target, Who who,
-           std::size_t in_a_row, Find find, IsRight is_right) {
-    const auto check = [this, find, is_right]() -> std::string {
-      for (std::size_t q = 0; q < checked_; ++q) {
-        if (!is_right(q, find(q))) return "a query has other answers";
-      }
-      return {};
-    };
-    AddCases(name, target, who, in_a_row, check, [find](std::size_t count) {
-      return InTurn(kTimedQueries, count,
-                    [find](std::size_t q) { std::ignore = find(q); });
-    });
+  // find(q) answers query number q, `in_a_row` of them a run. Competitors have
+  // no target.
+  template <typename Find>
+  void Add(const std::string& name, const std::string& target,
+           std::size_t in_a_row, Find find) {
+    AddCases(
+        name, target, in_a_row,
+        CheckOf(checked, "the query has other answers",
+                [this, find](std::size_t q) { return is_right(q, find(q)); }),
+        [find](std::size_t count) {
+          return InTurn(kTimedQueries, count,
+                        [find](std::size_t q) { std::ignore = find(q); });
+        });
   }
   // case_of(n) asks n queries in a run, and the next ones in the next run.
   template <typename CaseOf>
-  void AddCases(const std::string& name, const std::string& target, Who who,
+  void AddCases(const std::string& name, const std::string& target,
                 std::size_t in_a_row, std::function<std::string()> check,
                 const CaseOf& case_of) {
-    const Row keys = {world_, objects_, name, target};
+    const Row keys = {world, objects, name, target};
+    const Who who = target.empty() ? Who::kCompetitor : Who::kOurs;
     Case c = case_of(in_a_row);
     c.check = std::move(check);
-    row_.Add(keys, std::move(c), who);
-    if (is_in_turns_) turns_.Add(keys, case_of(kQueriesInTurn), who);
+    row.Add(keys, std::move(c), who);
+    if (is_in_turns) turns.Add(keys, case_of(kQueriesInTurn), who);
   }
 
   void Time(std::size_t repetitions, Table& table) {
-    row_.TimeOnce(repetitions);
+    row.TimeOnce(repetitions);
     // So many that each has all queries.
-    if (is_in_turns_) {
-      turns_.TimeOnce(std::max(repetitions, kTimedQueries / kQueriesInTurn));
+    if (is_in_turns) {
+      turns.TimeOnce(std::max(repetitions, kTimedQueries / kQueriesInTurn));
     }
-    row_.AddTo(table, [&](std::size_t i) -> Row {
-      return {row_.timing(i).Median() / 1e3, row_.OverFastest(i),
-              is_in_turns_ ? Cell(turns_.timing(i).Median() / 1e3) : Cell()};
+    row.AddTo(table, [&](std::size_t i) -> Row {
+      return {row.Median(i) / 1e3, row.OverFastest(i),
+              is_in_turns ? Cell(turns.Median(i) / 1e3) : Cell()};
     });
   }
-
- private:
-  std::string world_;
-  std::size_t objects_;
-  std::size_t checked_;
-  bool is_in_turns_;
-  Contest row_;
-  Contest turns_;
 };
+
+using Found = std::span<const std::uint32_t>;
 
 // The box queries of a set, by all that can answer them, and by a BVH in one
 // call, too.
 template <int kDims>
-void RunQueries(Run& run, const BoxSet<kDims>& set, Target target,
-                Table& table) {
-  using Box = Aabb<kDims>;
-  using Tree = Bvh<AabbView<kDims>>;
-  using Found = std::span<const std::uint32_t>;
+void RunQueries(Run& run, const BoxSet<kDims>& set, Table& table) {
   const std::size_t objects = set.boxes.size();
+  const std::span<const Aabb<kDims>> queries = set.queries;
+  const QueryOptions options{.target = run.best()};
   // The answers of a flat scan of the floats, for as many queries as it answers
   // in a moment.
   const World<AabbView<kDims>> boxes(set.boxes);
   std::vector<Ids> expected(
       std::clamp<std::size_t>(50'000'000 / objects, 20, 1000));
   Ids found(objects);
-  const auto found_in = [&found](const auto& world, const Box& query,
-                                 const auto& options) {
-    return Found(found).first(Survivors(world, query, found, options));
-  };
   for (std::size_t q = 0; q < expected.size(); ++q) {
-    const Found kept = found_in(boxes.view(), set.queries[q],
-                                Options{.schedule = Schedule::kFlat});
+    const Found kept = Found(found).first(Survivors(
+        boxes.view(), queries[q], found, {.schedule = Schedule::kFlat}));
     expected[q].assign(kept.begin(), kept.end());
   }
   const auto is_right = [&expected](std::size_t q, Found ids) {
@@ -135,68 +123,57 @@ void RunQueries(Run& run, const BoxSet<kDims>& set, Target target,
     return sorted == expected[q];
   };
 
-  Search search(run, set.name, objects, expected.size(), true);
+  Search<Found> search{run, set.name, objects, true, expected.size(), is_right};
   // Each row has a copy of the world, so that in turns with the others it finds
   // the caches as a tree finds them.
-  const auto tree = std::make_shared<const Tree>(boxes.view());
+  const Bvh<AabbView<kDims>> tree(boxes.view());
+  const Bvh<AabbView<kDims>> copy = tree;
+  const std::string target = NameOf(run.best());
   search.Add(
-      "tight, one query a call", NameOf(target), Who::kOurs, kTimedQueries,
-      [&set, found_in, tree, target](std::size_t q) {
-        return found_in(*tree, set.queries[q], QueryOptions{.target = target});
-      },
-      is_right);
+      "tight, one query a call", target, kTimedQueries, [&](std::size_t q) {
+        return Found(found).first(Survivors(tree, queries[q], found, options));
+      });
   std::size_t sum = 0;
-  for (const Box& query : set.queries) sum += CountSurvivors(*tree, query);
+  for (const Aabb<kDims>& query : queries) sum += CountSurvivors(tree, query);
   Ids all_ids(sum);
   std::vector<std::size_t> offsets(kTimedQueries + 1);
-  const auto ask = [&all_ids, &offsets, target,
-                    tree = std::make_shared<const Tree>(*tree)](
-                       std::span<const Box> queries) {
-    std::ignore =
-        SurvivorsOfEach(*tree, queries, all_ids, offsets, {.target = target});
-  };
-  const auto check = [&, ask]() -> std::string {
-    ask(std::span(set.queries).first(expected.size()));
-    for (std::size_t q = 0; q < expected.size(); ++q) {
-      const std::size_t count = offsets[q + 1] - offsets[q];
-      if (!is_right(q, Found(all_ids).subspan(offsets[q], count))) {
-        return "a query of a call has other answers";
-      }
-    }
-    return {};
+  const auto ask = [&](std::size_t first, std::size_t count) {
+    std::ignore = SurvivorsOfEach(copy, queries.subspan(first, count), all_ids,
+                                  offsets, options);
   };
   search.AddCases(
-      "tight, all in one call", NameOf(target), Who::kOurs, kTimedQueries,
-      check, [&](std::size_t count) {
-        Case c =
-            InTurn(kTimedQueries / count, 1, [&set, ask, count](std::size_t i) {
-              ask(std::span(set.queries).subspan(i * count, count));
-            });
+      "tight, all in one call", target, kTimedQueries,
+      CheckOf(expected.size(), "a query of a call has other answers",
+              [&](std::size_t q) {
+                if (q == 0) ask(0, expected.size());
+                return is_right(
+                    q, Found(all_ids).subspan(offsets[q],
+                                              offsets[q + 1] - offsets[q]));
+              }),
+      [&](std::size_t count) {
+        Case c = InTurn(kTimedQueries / count, 1,
+                        [ask, count](std::size_t i) { ask(i * count, count); });
         c.items = static_cast<double>(count);
         return c;
       });
   Ids listed;  // by a competitor
   for (const auto& competitor : Registered<BoxTree<kDims>>::AllFor(objects)) {
-    search.Add(
-        competitor.name, "", Who::kCompetitor, kTimedQueries,
-        [&, tree = std::shared_ptr<const BoxTree<kDims>>(
-                competitor.make(set.boxes))](std::size_t q) {
-          tree->Find(set.queries[q], listed);
-          return Found(listed);
-        },
-        is_right);
+    search.Add(competitor.name, "", kTimedQueries,
+               [&, its_tree = std::shared_ptr<const BoxTree<kDims>>(
+                       competitor.make(set.boxes))](std::size_t q) {
+                 its_tree->Find(queries[q], listed);
+                 return Found(listed);
+               });
   }
-  search.Time(objects < 1'000'000
-                  ? run.effort.repetitions
-                  : std::min<std::size_t>(run.effort.repetitions, 5),
-              table);
+  search.Time(run.AtMostRepetitions(objects < 1'000'000 ? 1000 : 5), table);
 }
 
 // What is done to all objects, and to a few of them.
-void RunJobs(Run& run, const BoxSet<3>& set, Target target, Table& table) {
+void RunJobs(Run& run, const BoxSet<3>& set, Table& table) {
   const std::span<const Aabb3> boxes = set.boxes;
-  std::shared_ptr<const void> made;
+  const Target target = run.best();
   Contest contest(run, "bvh/jobs");
+  std::shared_ptr<const void> made;
   // job() returns `expected` if it was done right.
   const auto add = [&](const std::string& name, std::size_t expected,
                        auto job) {
@@ -210,21 +187,22 @@ void RunJobs(Run& run, const BoxSet<3>& set, Target target, Table& table) {
     };
     contest.Add({name, boxes.size()}, std::move(c));
   };
+  const auto add_build = [&](const std::string& name, auto make) {
+    add(name, 1, [&made, make] {
+      made = make();
+      return std::size_t{made != nullptr};
+    });
+  };
 
   for (const auto& [name, quality] : {std::pair("tight", BuildQuality::kHigh),
                                       std::pair("fast", BuildQuality::kFast)}) {
-    add(name, boxes.size(), [&made, boxes, quality = quality] {
-      auto bvh =
-          std::make_shared<const Bvh3>(boxes, BuildOptions{.quality = quality});
-      made = bvh;
-      return bvh->size();
+    add_build(name, [boxes, options = BuildOptions{.quality = quality}] {
+      return std::make_shared<const Bvh3>(boxes, options);
     });
   }
   for (const auto& competitor : Registered<BoxTree<3>>::AllFor(boxes.size())) {
-    add(competitor.name, 1, [&made, boxes, competitor] {
-      made = std::shared_ptr<const void>(competitor.make(boxes));
-      return std::size_t{1};
-    });
+    add_build(competitor.name,
+              [boxes, competitor] { return competitor.make(boxes); });
   }
 
   // Each is a BVH of its own, so that none finds what another has left in the
@@ -292,27 +270,25 @@ void RunJobs(Run& run, const BoxSet<3>& set, Target target, Table& table) {
   std::vector<IndexPair> found;
   found.reserve(pairs.size());
   for (const auto& competitor : Registered<PairFinder>::AllFor(boxes.size())) {
-    add(competitor.name + ", build", 1, [&made, boxes, competitor] {
-      made = std::shared_ptr<const void>(competitor.make(boxes));
-      return std::size_t{1};
-    });
+    add_build(competitor.name + ", build",
+              [boxes, competitor] { return competitor.make(boxes); });
     add(competitor.name + ", pairs", pairs.size(),
         [&found, finder = std::shared_ptr<PairFinder>(competitor.make(boxes))] {
           finder->Pairs(found);
           return found.size();
         });
   }
-  contest.TimeOnce(std::min<std::size_t>(run.effort.repetitions, 5));
-  contest.AddTo(table, [&](std::size_t i) -> Row {
-    return {contest.timing(i).Median() / 1e6};
-  });
+  contest.TimeOnce(run.AtMostRepetitions(5));
+  contest.AddTo(
+      table, [&](std::size_t i) -> Row { return {contest.Median(i) / 1e6}; });
 }
 
-void RunSearches(Run& run, const BoxSet<3>& set, Target target, Table& table) {
+void RunSearches(Run& run, const BoxSet<3>& set, Table& table) {
   constexpr std::size_t kChecked = 20;
   constexpr std::size_t kCount = 8;
   constexpr float kHalfWorld = 50.0f;
-  const std::string target_name = NameOf(target);
+  const QueryOptions options{.target = run.best()};
+  const std::string target = NameOf(run.best());
   const std::size_t objects = set.boxes.size();
   const Bvh3 world(set.boxes);
   Random random(run.options.seed);
@@ -330,74 +306,43 @@ void RunSearches(Run& run, const BoxSet<3>& set, Target target, Table& table) {
     for (float& x : points[q]) x = kHalfWorld * random.Signed();
   }
 
-  Ids found(objects);
-  Search counts(run, "counts of a tenth", objects, kChecked, false);
   const AabbWorld3 boxes(set.boxes);
   const auto is_count = [&](std::size_t q, std::size_t count) {
     return count == CountSurvivors(boxes, large[q]);
   };
-  counts.Add(
-      "counts", target_name, Who::kOurs, 2000,
-      [&](std::size_t q) {
-        return CountSurvivors(world, large[q], {.target = target});
-      },
-      is_count);
+  Search<std::size_t> counts{
+      run, "counts of a tenth", objects, false, kChecked, is_count};
+  counts.Add("counts", target, 2000, [&](std::size_t q) {
+    return CountSurvivors(world, large[q], options);
+  });
   for (const auto& competitor : Registered<BoxTree<3>>::AllFor(objects)) {
     const std::shared_ptr<const BoxTree<3>> tree = competitor.make(set.boxes);
     if (!tree->CanCount()) continue;
-    counts.Add(
-        competitor.name, "", Who::kCompetitor, 5,
-        [&, tree](std::size_t q) { return tree->Count(large[q]); }, is_count);
+    counts.Add(competitor.name, "", 5,
+               [&, tree](std::size_t q) { return tree->Count(large[q]); });
   }
   counts.Time(run.effort.repetitions, table);
 
-  // Many boxes are equally far away, so the answer is a distance: of the last.
-  const auto square_of = [&](const Point<3>& point, std::uint32_t id) {
-    double square = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double beyond = std::max({set.boxes[id].min[k] - point[k],
-                                      point[k] - set.boxes[id].max[k], 0.0f});
-      square += beyond * beyond;
-    }
-    return square;
+  const auto is_nearest = [&](std::size_t q, Found ids) {
+    return AreNearest(set.boxes, points[q], kCount, ids);
   };
-  Search nearest(run, "nearest 8", objects, kChecked, false);
-  const auto is_nearest = [&](std::size_t q,
-                              std::span<const std::uint32_t> ids) {
-    std::vector<double> squares;
-    for (std::uint32_t id = 0; id < objects; ++id) {
-      squares.push_back(square_of(points[q], id));
-    }
-    const auto last = static_cast<std::ptrdiff_t>(std::min(kCount, objects));
-    std::nth_element(squares.begin(), squares.begin() + last - 1,
-                     squares.end());
-    double most = 0;
-    for (std::uint32_t id : ids) {
-      most = std::max(most, square_of(points[q], id));
-    }
-    // Floats round the distances.
-    return ids.size() == static_cast<std::size_t>(last) &&
-           most <= (1 + 1e-5) * squares[static_cast<std::size_t>(last - 1)];
-  };
+  Search<Found> nearest{run, "nearest 8", objects, false, kChecked, is_nearest};
   std::array<std::uint32_t, kCount> ids;
   std::array<float, kCount> distances;
-  nearest.Add(
-      "nearest", target_name, Who::kOurs, 2000,
-      [&](std::size_t q) {
-        constexpr float kFar = std::numeric_limits<float>::infinity();
-        return std::span<const std::uint32_t>(ids).first(KNearest(
-            world, points[q], ids, distances, kFar, {.target = target}));
-      },
-      is_nearest);
+  const SearchOptions near{.target = run.best()};
+  nearest.Add("nearest", target, 2000, [&](std::size_t q) {
+    constexpr float kFar = std::numeric_limits<float>::infinity();
+    return Found(ids).first(
+        KNearest(world, points[q], ids, distances, kFar, near));
+  });
+  Ids listed(objects);
   for (const auto& competitor : Registered<NearestTree>::All()) {
-    nearest.Add(
-        competitor.name, "", Who::kCompetitor, 200,
-        [&, tree = std::shared_ptr<NearestTree>(competitor.make(set.boxes))](
-            std::size_t q) {
-          tree->Nearest(points[q], kCount, found);
-          return std::span<const std::uint32_t>(found);
-        },
-        is_nearest);
+    nearest.Add(competitor.name, "", 200,
+                [&, tree = std::shared_ptr<NearestTree>(
+                        competitor.make(set.boxes))](std::size_t q) {
+                  tree->Nearest(points[q], kCount, listed);
+                  return Found(listed);
+                });
   }
   nearest.Time(run.effort.repetitions, table);
 }
@@ -406,7 +351,6 @@ void RunSearches(Run& run, const BoxSet<3>& set, Target target, Table& table) {
 
 Tables RunBvh(Run& run) {
   const std::uint64_t seed = run.options.seed;
-  const Target target = run.best();
   Table table{"bvh",
               "us a query; times as fast as the fastest competitor",
               {Key("world"), Key("objects"), Key("what"), Key("target"),
@@ -428,30 +372,27 @@ Tables RunBvh(Run& run) {
   };
 
   Parts parts;
-  for (std::size_t objects : UpTo(most, {1000, 10'000, 100'000, 1'000'000})) {
-    parts.emplace_back(
-        [&, objects] { RunQueries(run, uniform(objects), target, table); });
-  }
-  for (const SkewedWorld& world : SkewedWorlds()) {
-    for (std::size_t objects : UpTo(most, {10'000, 100'000})) {
-      parts.emplace_back([&, objects] {
-        BoxSet<3> set = world.make(objects, kSide3D, seed);
-        set.name = world.name;
-        RunQueries(run, set, target, table);
-      });
+  const auto add = [&](const std::vector<std::size_t>& sizes, auto run_part) {
+    for (std::size_t objects : UpTo(most, sizes)) {
+      parts.emplace_back([run_part, objects] { run_part(objects); });
     }
-  }
-  for (std::size_t objects : UpTo(most, {100'000, 1'000'000})) {
-    parts.emplace_back([&, objects] {
-      RunQueries(run, MakeUniformBoxes<2>("2D", objects, kSide2D, seed), target,
-                 table);
+  };
+  add({1000, 10'000, 100'000, 1'000'000},
+      [&](std::size_t objects) { RunQueries(run, uniform(objects), table); });
+  for (const SkewedWorld& world : SkewedWorlds()) {
+    add({10'000, 100'000}, [&](std::size_t objects) {
+      BoxSet<3> set = world.make(objects, kSide3D, seed);
+      set.name = world.name;
+      RunQueries(run, set, table);
     });
   }
-  for (std::size_t objects : UpTo(most, {100'000, 1'000'000})) {
-    parts.emplace_back(
-        [&, objects] { RunJobs(run, uniform(objects), target, jobs); });
-  }
-  parts.emplace_back([&] { RunSearches(run, uniform(most), target, table); });
+  add({100'000, 1'000'000}, [&](std::size_t objects) {
+    RunQueries(run, MakeUniformBoxes<2>("2D", objects, kSide2D, seed), table);
+  });
+  add({100'000, 1'000'000},
+      [&](std::size_t objects) { RunJobs(run, uniform(objects), jobs); });
+  add({most},
+      [&](std::size_t objects) { RunSearches(run, uniform(objects), table); });
   RunParts(run, parts);
   return {table, jobs};
 }

@@ -28,6 +28,9 @@ class Contest {
   void Add(Row keys, Case c, Who who = Who::kOurs);
 
   void Time() { Time(run_.effort); }
+  void Time(std::size_t repetitions) {
+    Time({repetitions, run_.effort.seconds_per_repetition});
+  }
   // Each call of run() is a repetition.
   void TimeOnce(std::size_t repetitions) { Time({repetitions, 0.0}); }
   void Time(const Effort& effort);
@@ -36,6 +39,7 @@ class Contest {
   std::size_t size() const { return cases_.size(); }
   const Row& keys(std::size_t i) const { return keys_[i]; }
   const Timing& timing(std::size_t i) const { return timings_[i]; }
+  double Median(std::size_t i) const { return timings_[i].Median(); }
   const Timing& fastest() const { return timings_[fastest_]; }
   // How many times as fast as the fastest; empty without competitors.
   Cell OverFastest(std::size_t i) const {
@@ -43,7 +47,10 @@ class Contest {
     return RatioOf(fastest(), timings_[i]);
   }
 
-  // Adds the rows: after the keys come values(i).
+  // Adds the rows: after the keys comes the spread, or values(i).
+  void AddTo(Table& table) const {
+    AddTo(table, [&](std::size_t i) -> Row { return {SpreadOf(timing(i))}; });
+  }
   template <typename Values>
   void AddTo(Table& table, Values values) const {
     for (std::size_t i = 0; i < size(); ++i) {

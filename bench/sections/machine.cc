@@ -5,7 +5,7 @@
 #include <string>
 
 #include "bench/base/text.h"
-#include "bench/sections/run.h"
+#include "bench/sections/contest.h"
 
 namespace halfspace::bench {
 namespace {
@@ -32,29 +32,28 @@ Tables RunMachine(Run& run) {
   std::string isa;
   for (const std::string& name : machine.isa) isa += name + " ";
   Table table{"machine", machine.cpu, {Key("what"), Value("value")}};
-  table.Add({"model", machine.Model()});
-  table.Add({"system", machine.system + ", " + machine.architecture});
-  table.Add({"cores", std::to_string(machine.cores) +
-                          ", of which this run uses " + machine.affinity});
-  table.Add({"caches", machine.CachesText()});
-  table.Add({"extensions", isa});
-  table.Add({"compiled", NamesOf(CompiledTargets())});
-  table.Add({"supported", NamesOf(SupportedTargets())});
-  table.Add(
+  table.rows = {
+      {"model", machine.Model()},
+      {"system", machine.system + ", " + machine.architecture},
+      {"cores", std::to_string(machine.cores) + ", of which this run uses " +
+                    machine.affinity},
+      {"caches", machine.CachesText()},
+      {"extensions", isa},
+      {"compiled", NamesOf(CompiledTargets())},
+      {"supported", NamesOf(SupportedTargets())},
       {"chosen", NameOf(choice.target) +
                      (choice.requested.empty()
                           ? ", the best that is compiled and supported"
-                          : ", which HALFSPACE_TARGET or --target asks for")});
-  table.Add({"built by", build.compiler + ", " + build.type + ", Highway " +
-                             build.highway + ", " + build.flags});
+                          : ", which HALFSPACE_TARGET or --target asks for")},
+      {"built by", build.compiler + ", " + build.type + ", Highway " +
+                       build.highway + ", " + build.flags}};
   if (build.type != "release") {
     table.notes.push_back("Warning: a debug build. Its times mean nothing.");
   }
   if (machine.is_virtual) {
     table.notes.push_back(
         "This is a virtual machine. Others share its hardware, so trust "
-        "counts, "
-        "and ratios within their ranges, but not times.");
+        "counts, and ratios within their ranges, but not times.");
   }
   if (machine.is_emulated) {
     table.notes.push_back(
@@ -69,14 +68,14 @@ Tables RunNoise(Run& run) {
   // change an answer.
   constexpr double kLimit = 0.05;
   run.Measured();
-  Case kernel = run.SmallSet().LibraryCase(
+  const Case kernel = run.SmallSet().LibraryCase(
       ShapeKind::kSimplex, {.schedule = Schedule::kFlat, .target = run.best()});
-  kernel.name = "noise";
+  Contest contest(run, "noise");
+  contest.Add({"first"}, kernel);
+  contest.Add({"second"}, kernel);
   // Quartiles of a few repetitions say little.
-  Effort effort = run.effort;
-  effort.repetitions = std::max<std::size_t>(effort.repetitions, 9);
-  const std::vector<Timing> timings = run.Time({kernel, kernel}, effort);
-  const Ratio same = RatioOf(timings[0], timings[1]);
+  contest.Time(std::max<std::size_t>(run.effort.repetitions, 9));
+  const Ratio same = RatioOf(contest.timing(0), contest.timing(1));
   run.clock().Sample();
   const double drift = run.clock().Drift();
   const double off = std::max(same.high - 1.0, 1.0 - same.low);
@@ -87,12 +86,12 @@ Tables RunNoise(Run& run) {
   Table table{"noise",
               "a kernel timed against itself, the clock, and other programs",
               {Key("what"), Value("value", "", 3)}};
-  table.Add({"same over same", Cell(same)});
-  table.Add({"clock, slowest over fastest", 1.0 + drift});
-  table.Add({"share of the time with a CPU", load.cpu_share});
-  table.Add({"interruptions per second", load.interruptions});
-  table.Add({"CPUs that others took", Cell(load.others)});
-  table.Add({"run", is_noisy ? "noisy" : "quiet"});
+  table.rows = {{"same over same", same},
+                {"clock, slowest over fastest", 1.0 + drift},
+                {"share of the time with a CPU", load.cpu_share},
+                {"interruptions per second", load.interruptions},
+                {"CPUs that others took", load.others},
+                {"run", is_noisy ? "noisy" : "quiet"}};
   // Ranges between groups say how far the verdict is to be trusted; other
   // ratios have the quartiles of one group alone.
   table.notes = {
@@ -115,7 +114,7 @@ Tables RunNoise(Run& run) {
         " % of the time.");
   }
   // --strict and the page need no more.
-  if (run.is_page()) table.rows.erase(table.rows.begin(), table.rows.end() - 1);
+  if (run.is_page()) table.rows = {table.rows.back()};
   return {table};
 }
 

@@ -14,41 +14,21 @@
 namespace halfspace::bench {
 namespace {
 
-// A scene of more would take 32 GiB.
-constexpr double kMostOfScene = 0x1p30;
-constexpr double kMostQueries = 0x1p20;
-constexpr double kMostRepetitions = 1000;
-// Further up, not every whole number is a double.
-constexpr double kMostSeed = 0x1p53 - 1;
-
-std::vector<std::string> SupportedTargetNames() {
-  std::vector<std::string> names;
-  for (Target target : SupportedTargets()) names.emplace_back(target.name());
-  return names;
-}
-
 // Decimal: 010 is ten, and 0x10 nothing. 1e6 is a whole number, too. Leaves
-// plain digits for CLI11, which would read others as octal.
-CLI::Validator Whole(double least, double most) {
-  const std::string range = Fixed(least, 0) + " to " + Fixed(most, 0);
+// plain digits for CLI11, which would read others as octal, and let NaN pass.
+CLI::Validator Number(bool is_whole, double least, double most) {
+  const std::string range =
+      (is_whole ? "whole number from " : "number above ") + Fixed(least, 0) +
+      " to " + Fixed(most, 0);
   const auto check = [=](std::string& text) -> std::string {
     const double value = ParseNumber<double>(text).value_or(-1.0);
-    if (!(value >= least && value <= most && value == std::floor(value))) {
-      return "\"" + text + "\" is not a whole number from " + range;
+    const bool is_within =
+        is_whole ? value >= least && value == std::floor(value) : value > least;
+    if (!is_within || !(value <= most)) {
+      return "\"" + text + "\" is not a " + range;
     }
-    text = Fixed(value, 0);
+    if (is_whole) text = Fixed(value, 0);
     return {};
-  };
-  return CLI::Validator(check, range);
-}
-
-// CLI::Range would let NaN pass.
-CLI::Validator Above0UpTo(double most) {
-  const std::string range = "above 0 up to " + Fixed(most, 0);
-  const auto check = [=](const std::string& text) -> std::string {
-    const double value = ParseNumber<double>(text).value_or(0);
-    const bool is_within = value > 0 && value <= most;
-    return is_within ? "" : "\"" + text + "\" is not a number " + range;
   };
   return CLI::Validator(check, range);
 }
@@ -57,12 +37,17 @@ std::string CheckFileName(const std::string& name) {
   return name.empty() ? "an empty file name" : "";
 }
 
-std::string CheckSection(const std::string& name) {
+template <typename Is>
+bool AnySection(const Is& is) {
   const auto& sections = ThisProgram().sections;
-  const bool is_section =
-      std::any_of(sections.begin(), sections.end(),
-                  [&](const Section& each) { return each.name == name; });
-  return name == kAllSections || is_section
+  return std::any_of(sections.begin(), sections.end(), is);
+}
+
+bool IsOnPage(const Section& section) { return (section.flags & kPage) != 0; }
+
+std::string CheckSection(const std::string& name) {
+  return name == kAllSections ||
+                 AnySection([&](const auto& each) { return each.name == name; })
              ? ""
              : "\"" + name + "\" is not a section; --list prints them";
 }
@@ -102,11 +87,9 @@ bool BenchOptions::Wants(std::string_view section) const {
     return std::find(details.begin(), details.end(), name) != details.end();
   };
   if (!details.empty()) return has(section) || has(kAllSections);
-  return std::any_of(ThisProgram().sections.begin(),
-                     ThisProgram().sections.end(),
-                     [section](const Section& each) {
-                       return each.name == section && (each.flags & kPage) != 0;
-                     });
+  return AnySection([section](const Section& each) {
+    return each.name == section && IsOnPage(each);
+  });
 }
 
 bool ParseOptions(int argc, char** argv, BenchOptions& options) {
@@ -117,73 +100,68 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
       "--version",
       std::string(ThisProgram().name) + " " + HALFSPACE_VERSION_STRING,
       "Print the version and exit");
+  const auto add = [&app](const char* name, auto& value, const char* type,
+                          const char* what) {
+    return app.add_option(name, value, what)->type_name(type);
+  };
+  const auto add_file = [&](const char* name, std::string& file,
+                            const char* type, const char* what) {
+    return add(name, file, type, what)->check(CheckFileName);
+  };
+  const auto add_count = [&](const char* name, auto& count, double least,
+                             double most, const char* what) {
+    add(name, count, "N", what)->transform(Number(true, least, most));
+  };
   app.add_flag("--quick", options.is_quick,
                "Use a smaller scene and fewer repetitions:\nabout 40 seconds");
-  app.add_option("--details", options.details,
-                 "Measure these sections at length and print their\n"
-                 "tables; separated by commas; see --list. \"all\"\n"
-                 "takes 5 to 15 minutes")
+  add("--details", options.details, "SECTION,...",
+      "Measure these sections at length and print their\n"
+      "tables; separated by commas; see --list. \"all\"\n"
+      "takes 5 to 15 minutes")
       ->delimiter(',')
-      ->check(CheckSection)
-      ->type_name("SECTION,...");
-  auto* mesh =
-      app.add_option("--mesh", options.mesh,
-                     "Measure on the triangles of a Wavefront OBJ file")
-          ->check(CheckFileName)
-          ->type_name("FILE.obj");
-  app.add_option("--bounds", options.bounds,
-                 "Measure on boxes: rows minx,miny,minz,maxx,maxy,maxz")
-      ->check(CheckFileName)
-      ->type_name("FILE.csv")
+      ->check(CheckSection);
+  auto* mesh = add_file("--mesh", options.mesh, "FILE.obj",
+                        "Measure on the triangles of a Wavefront OBJ file");
+  add_file("--bounds", options.bounds, "FILE.csv",
+           "Measure on boxes: rows minx,miny,minz,maxx,maxy,maxz")
       ->excludes(mesh);
   auto* query_bounds =
-      app.add_option("--query-bounds", options.query_bounds,
-                     "Query with these boxes, not with those of --mesh\n"
-                     "or --bounds")
-          ->check(CheckFileName)
-          ->type_name("FILE.csv");
-  app.add_option("--query-size", options.query_size,
-                 "Query with random boxes whose sides are this\n"
-                 "percentage of the sides of the box around --mesh or\n"
-                 "--bounds")
-      ->check(Above0UpTo(100))
-      ->type_name("PERCENT")
+      add_file("--query-bounds", options.query_bounds, "FILE.csv",
+               "Query with these boxes, not with those of --mesh\n"
+               "or --bounds");
+  add("--query-size", options.query_size, "PERCENT",
+      "Query with random boxes whose sides are this\n"
+      "percentage of the sides of the box around --mesh or\n"
+      "--bounds")
+      ->transform(Number(false, 0, 100))
       ->excludes(query_bounds);
-  app.add_option("--objects", options.objects,
-                 "Objects in the scene (default 4194304)")
-      ->transform(Whole(64, kMostOfScene))
-      ->type_name("N");
-  app.add_option("--queries", options.queries,
-                 "Queries (default 20000 to time; 128 to count\n"
-                 "survivors, with a file 256 or a few more)")
-      ->transform(Whole(1, kMostQueries))
-      ->type_name("N");
-  app.add_option("--seed", options.seed,
-                 "Seed of the scene and of --query-size (default 1)")
-      ->transform(Whole(0, kMostSeed))
-      ->type_name("N");
-  app.add_option("--target", options.target, "Measure this target only")
-      ->check(CLI::IsMember(SupportedTargetNames()).description(""))
-      ->type_name("NAME");
-  app.add_option("--repetitions", options.repetitions,
-                 "Repetitions of every measurement (default 5, with\n"
-                 "--details 7, with --quick 3)")
-      ->transform(Whole(1, kMostRepetitions))
-      ->type_name("N");
-  app.add_option("--exact-ns", options.exact_ns,
-                 "Time of your exact test of one survivor (default:\n"
-                 "measured, of two triangles)")
-      ->check(Above0UpTo(1e9))
-      ->type_name("NS");
+  // A scene of more would take 32 GiB.
+  add_count("--objects", options.objects, 64, 0x1p30,
+            "Objects in the scene (default 4194304)");
+  add_count("--queries", options.queries, 1, 0x1p20,
+            "Queries (default 20000 to time; 128 to count\n"
+            "survivors, with a file 256 or a few more)");
+  // Further up, not every whole number is a double.
+  add_count("--seed", options.seed, 0, 0x1p53 - 1,
+            "Seed of the scene and of --query-size (default 1)");
+  std::vector<std::string> targets;
+  for (Target target : SupportedTargets()) targets.emplace_back(target.name());
+  add("--target", options.target, "NAME", "Measure this target only")
+      ->check(CLI::IsMember(targets).description(""));
+  add_count("--repetitions", options.repetitions, 1, 1000,
+            "Repetitions of every measurement (default 5, with\n"
+            "--details 7, with --quick 3)");
+  add("--exact-ns", options.exact_ns, "NS",
+      "Time of your exact test of one survivor (default:\n"
+      "measured, of two triangles)")
+      ->transform(Number(false, 0, 1e9));
   app.add_flag("--strict", options.is_strict,
                "Exit with 4 if something disturbed the run");
   std::string format = "text";
-  app.add_option("--format", format, "The form of the report, text by default")
-      ->check(CLI::IsMember({"text", "json"}).description(""))
-      ->type_name("text|json");
-  app.add_option("--out", options.out, "Write the report to this file")
-      ->check(CheckFileName)
-      ->type_name("FILE");
+  add("--format", format, "text|json",
+      "The form of the report, text by default")
+      ->check(CLI::IsMember({"text", "json"}).description(""));
+  add_file("--out", options.out, "FILE", "Write the report to this file");
   app.add_flag("--list", options.is_list, "List the sections and exit");
   try {
     app.parse(argc, argv);
@@ -205,10 +183,7 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
     options.command += (i == 1 ? "" : " ") + std::string(argv[i]);
   }
   // A program without a page runs all of its sections.
-  if (options.details.empty() &&
-      std::none_of(
-          ThisProgram().sections.begin(), ThisProgram().sections.end(),
-          [](const Section& each) { return (each.flags & kPage) != 0; })) {
+  if (options.details.empty() && !AnySection(IsOnPage)) {
     options.details.emplace_back(kAllSections);
   }
   options.format = format == "json" ? Format::kJson : Format::kText;

@@ -1,13 +1,11 @@
 #include "bench/sections/run.h"
 
 #include <algorithm>
-#include <new>
 #include <utility>
 
 #include "bench/base/text.h"
 #include "bench/baselines/triangles.h"
 #include "bench/measure/groups.h"
-#include "bench/worlds/random.h"
 #include "bench/worlds/workload.h"
 
 namespace halfspace::bench {
@@ -29,50 +27,11 @@ std::vector<Target> TargetsOf(const BenchOptions& options) {
 }
 
 Effort EffortOf(const BenchOptions& options) {
-  Effort effort;
-  const bool is_page = options.details.empty();
-  effort.repetitions = options.is_quick ? 3 : is_page ? 5 : 7;
-  effort.seconds_per_repetition = options.is_quick ? 0.003
-                                  : is_page        ? 0.006
-                                                   : 0.015;
+  Effort effort = options.is_quick          ? Effort{3, 0.003}
+                  : options.details.empty() ? Effort{5, 0.006}
+                                            : Effort{7, 0.015};
   if (options.repetitions != 0) effort.repetitions = options.repetitions;
   return effort;
-}
-
-// Of two triangles around each other, one test at a time.
-ExactTest MeasureExactTest(Run& run) {
-  // So many that no predictor learns them, around each other as candidates are.
-  constexpr float kBetween = 0.75f;
-  Random random(run.options.seed);
-  const auto triangle = [&random] {
-    Vector3 at;
-    for (float& x : at) x = kBetween * random.Signed();
-    Triangle corners;
-    for (Vector3& corner : corners) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        corner[k] = at[k] + 0.5f * random.Signed();
-      }
-    }
-    return corners;
-  };
-  std::vector<std::pair<Triangle, Triangle>> pairs;
-  for (std::size_t i = 0; i < kTimedQueries; ++i) {
-    pairs.emplace_back(triangle(), triangle());
-  }
-  std::size_t touching = 0;
-  Case c = InTurn(pairs.size(), pairs.size(), [&](std::size_t i) {
-    touching += Touch(pairs[i].first, pairs[i].second) ? 1 : 0;
-  });
-  c.name = "exact/triangle-triangle";
-  c.check = [&pairs]() -> std::string {
-    for (const auto& [a, b] : pairs) {
-      if (Touch(a, b) != Touch(b, a)) return "a pair touches one way only";
-    }
-    return {};
-  };
-  const Ratio ns = SpreadOf(run.Time({c}).front());
-  KeepResult(static_cast<std::uint32_t>(touching));
-  return {"triangle-triangle", ns};
 }
 
 }  // namespace
@@ -88,10 +47,12 @@ Run::Run(const BenchOptions& run_options, std::optional<Workload> input,
   // Before anything is allocated: a system that overcommits kills the program
   // without a word. An eighth is left to the sections.
   const std::size_t available = machine.available_memory;
-  if (NeedsScene() && available != 0 &&
-      SceneObjects() * sizeof(Aabo3) > available / 8 * 7) {
-    FailForMemory(", too much for the " + Mebibytes(available) +
-                  " that are free");
+  const std::size_t needed = SceneObjects() * sizeof(Aabo3);
+  if (NeedsScene() && available != 0 && needed > available / 8 * 7) {
+    throw UsageError("the scene of " + std::to_string(SceneObjects()) +
+                     " objects takes " + Mebibytes(needed) +
+                     ", too much for the " + Mebibytes(available) +
+                     " that are free; choose fewer --objects");
   }
 }
 
@@ -121,24 +82,13 @@ std::size_t Run::MostObjects(std::size_t usual, std::size_t of_quick) const {
   return options.objects == 0 ? most : std::min(most, options.objects);
 }
 
-void Run::FailForMemory(const std::string& why) const {
-  throw UsageError("the scene of " + std::to_string(SceneObjects()) +
-                   " objects takes " +
-                   Mebibytes(SceneObjects() * sizeof(Aabo3)) + why +
-                   "; choose fewer --objects");
-}
-
 const Workload& Run::Scene() {
   if (!scene_.objects.empty()) return scene_;
-  try {
-    scene_ = MakeScene(SceneObjects(),
-                       options.queries != 0 ? options.queries : kTimedQueries,
-                       options.seed);
-    scene_.timed_queries = scene_.queries;
-    if (options.queries == 0) scene_.queries.resize(kPaperQueries);
-  } catch (const std::bad_alloc&) {
-    FailForMemory(", which this program does not get");
-  }
+  scene_ = MakeScene(SceneObjects(),
+                     options.queries != 0 ? options.queries : kTimedQueries,
+                     options.seed);
+  scene_.timed_queries = scene_.queries;
+  if (options.queries == 0) scene_.queries.resize(kPaperQueries);
   // What the working sets may still take.
   machine.available_memory = FreeMemory();
   return scene_;
@@ -159,21 +109,12 @@ std::vector<WorkingSetSize> Run::Reached(
 std::vector<WorkingSet*> Run::Sets(const std::vector<std::string>& names) {
   Measured();
   std::vector<WorkingSet*> sets;
-  for (const WorkingSetSize& size : Reached(names)) {
-    sets.push_back(&Set(size));
-  }
+  for (const auto& size : Reached(names)) sets.push_back(&Set(size));
   return sets;
 }
 
 WorkingSet& Run::Set(const WorkingSetSize& size) {
-  auto made = std::find_if(sets_.begin(), sets_.end(), [&](const auto& set) {
-    return set->name() == size.name;
-  });
-  if (made == sets_.end()) {
-    sets_.push_back(std::make_unique<WorkingSet>(Measured(), size));
-    made = sets_.end() - 1;
-  }
-  return **made;
+  return sets_.try_emplace(size.name, Measured(), size).first->second;
 }
 
 WorkingSet& Run::SmallSet() { return Set(WorkingSetSizes(machine)[1]); }
@@ -190,11 +131,21 @@ std::vector<std::string> Run::NotReached() const {
 }
 
 ExactTest Run::TheExactTest() {
-  if (options.exact_ns) {
-    return {"given",
-            Ratio{*options.exact_ns, *options.exact_ns, *options.exact_ns}};
+  if (options.exact_ns) return {"given", *options.exact_ns};
+  if (!exact_test_) {
+    const auto pairs = TrianglePairs(kTimedQueries, options.seed);
+    std::size_t touching = 0;
+    Case c = InTurn(pairs.size(), pairs.size(), [&](std::size_t i) {
+      touching += Touch(pairs[i][0], pairs[i][1]) ? 1 : 0;
+    });
+    c.name = "exact/triangle-triangle";
+    c.check = CheckOf(pairs.size(), "touches one way only", [&](std::size_t i) {
+      return Touch(pairs[i][0], pairs[i][1]) == Touch(pairs[i][1], pairs[i][0]);
+    });
+    exact_test_ = {"triangle-triangle",
+                   Measure({c}, effort, progress).front().Median()};
+    KeepResult(static_cast<std::uint32_t>(touching));
   }
-  if (!exact_test_) exact_test_ = MeasureExactTest(*this);
   return *exact_test_;
 }
 

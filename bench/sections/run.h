@@ -3,6 +3,8 @@
 #ifndef HALFSPACE_BENCH_SECTIONS_RUN_H_
 #define HALFSPACE_BENCH_SECTIONS_RUN_H_
 
+#include <algorithm>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -29,12 +31,13 @@ inline constexpr std::size_t kPaperQueries = 128;
 // What an exact test of a pair costs.
 struct ExactTest {
   std::string name;
-  Ratio ns;
+  double ns;
 };
 
 class Run {
  public:
-  // `input` is the workload of a file, if one was given.
+  // `input` is the workload of a file, if one was given. Throws UsageError if
+  // the scene is needed and does not fit the memory.
   Run(const BenchOptions& options, std::optional<Workload> input,
       Progress& progress);
 
@@ -58,7 +61,7 @@ class Run {
 
   // The workload of a file; null without one.
   const Workload* input() const { return input_ ? &*input_ : nullptr; }
-  // The paper's scene. Throws UsageError if it does not fit the memory.
+  // The paper's scene.
   const Workload& Scene();
   // The workload of the file, or the scene.
   const Workload& Measured() { return input_ ? *input_ : Scene(); }
@@ -76,11 +79,13 @@ class Run {
   // A note for each working set that is not reached.
   std::vector<std::string> NotReached() const;
 
-  std::vector<Timing> Time(const std::vector<Case>& cases) {
-    return Time(cases, effort);
+  // Those of --repetitions, or others.
+  std::size_t RepetitionsOr(std::size_t usual) const {
+    return options.repetitions == 0 ? usual : options.repetitions;
   }
-  std::vector<Timing> Time(const std::vector<Case>& cases, const Effort& with) {
-    return Measure(cases, with, progress);
+
+  std::size_t AtMostRepetitions(std::size_t most) const {
+    return std::min(effort.repetitions, most);
   }
 
   // That of --exact-ns, or of a pair of triangles.
@@ -102,7 +107,6 @@ class Run {
 
  private:
   bool NeedsScene() const;
-  [[noreturn]] void FailForMemory(const std::string& why) const;
   WorkingSet& Set(const WorkingSetSize& size);
 
   std::optional<Workload> input_;
@@ -110,7 +114,7 @@ class Run {
   LoadProbe load_;
   ClockProbe clock_;
   std::optional<ExactTest> exact_test_;
-  std::vector<std::unique_ptr<WorkingSet>> sets_;
+  std::map<std::string, WorkingSet> sets_;
   std::unique_ptr<Verdict> verdict_;
 };
 

@@ -49,9 +49,8 @@ void AddRows(Run& run, WorkingSet& set, ShapeKind shape, Table& table) {
   contest.Time();
   const double bytes = static_cast<double>(PlaneCountOf(shape) * sizeof(float));
   contest.AddTo(table, [&](std::size_t i) -> Row {
-    const Timing& timing = contest.timing(i);
-    return {SpreadOf(timing), bytes / timing.Median(),
-            RatioOf(contest.fastest(), timing).Percent()};
+    return {SpreadOf(contest.timing(i)), bytes / contest.Median(i),
+            RatioOf(contest.fastest(), contest.timing(i)).Percent()};
   });
 }
 
@@ -79,18 +78,14 @@ void AddTierRows(Run& run, WorkingSet& set, ShapeKind shape, Target target,
       loop(planes.data(), set.objects(), &values[q * count], mask);
     });
   };
-  const auto checked = WithShape(
-      shape, set.view(), set.queries().front(),
-      [&]<typename Query>(const auto& view, const Query& /*query*/) {
-        std::vector<Query> queries;
-        for (const Aabo3& query : set.queries()) {
-          queries.push_back(SeenAs<Query>(query));
-        }
-        return set.CallCase(shape, [view, target, queries = std::move(queries)](
-                                       std::size_t q, std::uint64_t* mask) {
-          SurvivorMask(view, queries[q], {mask, MaskWords(view.size)},
-                       {.target = target});
-        });
+  const ShapeQueries queries(set.queries());
+  const auto checked =
+      queries.With(shape, set.view(), [&](const auto& view, const auto& all) {
+        return set.CallCase(
+            shape, [view, all, target](std::size_t q, std::uint64_t* mask) {
+              SurvivorMask(view, all[q], {mask, MaskWords(view.size)},
+                           {.target = target});
+            });
       });
   Contest contest(run, "tier");
   const auto add = [&](const char* by, Case c, Who who = Who::kOurs) {
@@ -114,6 +109,7 @@ struct Scene {
   AaboWorld3 objects;
   ShapeQueries queries;
   QuantizedWorld<AaboView3> quantized{objects};
+  SimplexView3 simplices = objects.view().simplex();
   std::vector<std::uint64_t> masks =
       std::vector<std::uint64_t>(queries.size() * MaskWords(objects.size()));
   std::vector<std::size_t> counts = std::vector<std::size_t>(queries.size());
@@ -133,77 +129,61 @@ struct Scene {
 // Calls for all queries, on one target.
 void AddCalls(Contest& contest, Scene& scene, Target target) {
   // count() makes the counts of what call() has written.
-  const auto add = [&](std::string name, ShapeKind shape, auto call,
+  const auto add = [&](const std::string& name, ShapeKind shape, auto call,
                        auto count) {
     Case c = CaseOfObjects(scene.queries.size() * scene.objects.size(), call);
-    c.check = [&scene, shape, call, count]() -> std::string {
-      std::fill(scene.counts.begin(), scene.counts.end(), 99u);
-      call();
-      count();
-      return scene.counts == scene.CountsOf(shape)
-                 ? ""
-                 : "the survivors are not as many as a flat scan finds";
-    };
-    contest.Add({std::move(name), "scene", NameOf(target), scene.objects.size(),
+    c.check = CheckOf(1, "the survivors are not as many as a flat scan finds",
+                      [&scene, shape, call, count](auto) {
+                        std::fill(scene.counts.begin(), scene.counts.end(), 0u);
+                        call();
+                        count();
+                        return scene.counts == scene.CountsOf(shape);
+                      });
+    contest.Add({name, "scene", NameOf(target), scene.objects.size(),
                  scene.queries.size()},
                 std::move(c));
   };
   for (ShapeKind shape : kShapes) {
-    add(
-        std::string(NameOf(shape)) + " flat, masks of many", shape,
-        [&scene, shape, target] {
-          scene.queries.With(
-              shape, scene.objects.view(),
-              [&](const auto& view, const auto& queries) {
-                SurvivorMasks(view, queries, scene.masks,
-                              {.schedule = Schedule::kFlat, .target = target});
-              });
-        },
+    const auto call = [&scene, shape, target] {
+      scene.queries.With(shape, scene.objects.view(),
+                         [&](const auto& view, const auto& queries) {
+                           SurvivorMasks(
+                               view, queries, scene.masks,
+                               {.schedule = Schedule::kFlat, .target = target});
+                         });
+    };
+    add(std::string(NameOf(shape)) + " flat, masks of many", shape, call,
         [&scene] {
           const std::size_t words = MaskWords(scene.objects.size());
-          for (std::size_t q = 0; q < scene.counts.size(); ++q) {
-            scene.counts[q] = 0;
-            for (std::size_t w = 0; w < words; ++w) {
-              scene.counts[q] += static_cast<std::size_t>(
-                  std::popcount(scene.masks[q * words + w]));
-            }
+          for (std::size_t i = 0; i < scene.masks.size(); ++i) {
+            scene.counts[i / words] +=
+                static_cast<std::size_t>(std::popcount(scene.masks[i]));
           }
         });
   }
-  add(
-      "AABO uint8 refined, counts of many", ShapeKind::kAabo,
-      [&scene, target] {
-        SurvivorCounts(scene.quantized, scene.queries.aabos(), scene.counts,
-                       {.target = target});
-      },
-      [] {});
-  add(
-      "simplex, counts of many", ShapeKind::kSimplex,
-      [&scene, target] {
-        SurvivorCounts(scene.objects.view().simplex(),
-                       scene.queries.simplices(), scene.counts,
-                       {.target = target});
-      },
-      [] {});
-  const auto add_pairs = [&](const char* name, auto world) {
-    add(
-        name, ShapeKind::kAabo,
-        [&scene, target, world] {
-          const std::size_t pairs = SurvivorPairs(
-              world(), scene.queries.aabos(), std::span(scene.of_queries),
-              scene.ids, {.target = target});
-          KeepResult(static_cast<std::uint32_t>(pairs));
-        },
-        [&scene] {
-          std::fill(scene.counts.begin(), scene.counts.end(), 0u);
-          for (std::uint32_t query : scene.of_queries) ++scene.counts[query];
-        });
+  const auto add_counts = [&](const char* name, ShapeKind shape,
+                              const auto& world, auto queries) {
+    const auto call = [&scene, &world, queries, target] {
+      SurvivorCounts(world, queries, scene.counts, {.target = target});
+    };
+    add(name, shape, call, [] {});
   };
-  add_pairs(
-      "AABO uint8 refined, pairs", [&scene]() -> const auto& {
-        return scene.quantized;
-      });
-  add_pairs("AABO floats, pairs", [&scene] { return scene.objects.view(); });
+  add_counts("AABO uint8 refined, counts of many", ShapeKind::kAabo,
+             scene.quantized, scene.queries.aabos());
+  add_counts("simplex, counts of many", ShapeKind::kSimplex, scene.simplices,
+             scene.queries.simplices());
+  const auto add_pairs = [&](const char* name, const auto& world) {
+    const auto call = [&scene, &world, target] {
+      KeepResult(static_cast<std::uint32_t>(SurvivorPairs(
+          world, scene.queries.aabos(), std::span(scene.of_queries), scene.ids,
+          {.target = target})));
+    };
+    add(name, ShapeKind::kAabo, call, [&scene] {
+      for (std::uint32_t query : scene.of_queries) ++scene.counts[query];
+    });
+  };
+  add_pairs("AABO uint8 refined, pairs", scene.quantized);
+  add_pairs("AABO floats, pairs", scene.objects);
 }
 
 }  // namespace
@@ -292,12 +272,8 @@ Tables RunThroughput(Run& run) {
   scene.of_queries.resize(scene.ids.size());
   Contest contest(run, "throughput");
   AddCalls(contest, scene, run.best());
-  Effort effort = run.effort;
-  effort.repetitions = std::min<std::size_t>(effort.repetitions, 5);
-  contest.Time(effort);
-  contest.AddTo(table, [&](std::size_t i) -> Row {
-    return {SpreadOf(contest.timing(i))};
-  });
+  contest.Time(run.AtMostRepetitions(5));
+  contest.AddTo(table);
   return {table};
 }
 

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <string>
 #include <system_error>
@@ -23,51 +22,50 @@ constexpr double kLeastShare = 0.9;
 // Long enough that a thread which starts late does not count.
 constexpr double kSeconds = 0.02;
 
-// What some threads share: each takes a range of the objects.
-struct Work {
-  std::string name;
-  std::size_t objects;
-  double pairs;
-  std::span<std::uint64_t> masks;  // that run() writes
-  std::function<void(const Range&)> run;
-};
-
-// Part `i` of `parts`, in whole words.
-Range PartOf(std::size_t objects, std::size_t i, std::size_t parts) {
-  const std::size_t words = MaskWords(objects);
-  return {words * i / parts * 64,
-          std::min(objects, words * (i + 1) / parts * 64)};
-}
-
+// A scan that threads share: each takes a range of the objects, in whole words.
 // Real time: the CPU time of a thread alone does not see that it waits for
 // memory that the others take. Runs in which another program took a CPU are
 // left out.
-void AddRows(Run& run, const Work& work, const std::vector<std::size_t>& counts,
-             Table& table) {
+void AddRows(Run& run, const std::string& name, const SimplexView3& view,
+             std::span<const DownSimplex3> queries,
+             const std::vector<std::size_t>& counts, Table& table) {
   constexpr std::size_t kFewest = 3;
   constexpr double kWidest = 2.0;  // a range as wide answers nothing
-  work.run({0, work.objects});
-  const std::vector<std::uint64_t> expected(work.masks.begin(),
-                                            work.masks.end());
-  const double once = SecondsOf([&] { work.run({0, work.objects}); });
+  const Target target = run.best();
+  const std::size_t words = MaskWords(view.size);
+  std::vector<std::uint64_t> masks(queries.size() * words);
+  const auto scan = [&](const Range& range) {
+    const Options options{.target = target, .range = range};
+    const auto to = std::span(masks).subspan(range.begin / 64);
+    if (queries.size() == 1) {
+      SurvivorMask(view, queries[0], to, options);
+    } else {
+      SurvivorMasks(view, queries, to, options, words);
+    }
+  };
+  scan({0, view.size});
+  const std::vector<std::uint64_t> expected = masks;
+  const double once = SecondsOf([&] { scan({0, view.size}); });
   const auto rounds =
       static_cast<std::size_t>(std::clamp(kSeconds / once, 1.0, 1e6));
   std::vector<std::vector<double>> ns(counts.size());
   const std::size_t tries = std::max<std::size_t>(10, run.effort.repetitions);
   for (std::size_t t = 0; t < tries * counts.size(); ++t) {
     const std::size_t c = t % counts.size();
-    std::fill(work.masks.begin(), work.masks.end(), 0x5555555555555555);
+    std::fill(masks.begin(), masks.end(), 0x5555555555555555);
     const TeamTime time = RunTeam(counts[c], [&](std::size_t i) {
-      const Range part = PartOf(work.objects, i, counts[c]);
-      for (std::size_t r = 0; r < rounds; ++r) work.run(part);
+      const Range part = {
+          words * i / counts[c] * 64,
+          std::min(view.size, words * (i + 1) / counts[c] * 64)};
+      for (std::size_t r = 0; r < rounds; ++r) scan(part);
     });
-    if (!std::equal(expected.begin(), expected.end(), work.masks.begin())) {
-      throw WrongAnswer("threads/" + work.name +
+    if (masks != expected) {
+      throw WrongAnswer("threads/" + name +
                         ": the masks are not those of one thread");
     }
     if (time.cpu_share < kLeastShare) continue;
     ns[c].push_back(1e9 * time.seconds /
-                    (work.pairs * static_cast<double>(rounds)));
+                    static_cast<double>(queries.size() * view.size * rounds));
   }
   for (std::size_t c = 0; c < counts.size(); ++c) {
     const Ratio one = RangeOf(ns[0]);
@@ -76,11 +74,10 @@ void AddRows(Run& run, const Work& work, const std::vector<std::size_t>& counts,
                       one.high / all.low};
     const bool is_timed = std::min(ns[0].size(), ns[c].size()) >= kFewest &&
                           times.high < kWidest * times.low;
-    table.Add({work.name, counts[c], is_timed ? Cell(all.median) : Cell(),
+    table.Add({name, counts[c], is_timed ? Cell(all.median) : Cell(),
                is_timed ? Cell(times) : Cell()});
     if (!is_timed && counts[c] != 1) {
-      table.notes.push_back(std::to_string(counts[c]) + " threads, " +
-                            work.name +
+      table.notes.push_back(std::to_string(counts[c]) + " threads, " + name +
                             ": not measurable now, other programs take too "
                             "much of the CPUs.");
     }
@@ -105,38 +102,20 @@ Tables RunThreads(Run& run) {
     counts.push_back(n);
   }
   counts.push_back(static_cast<std::size_t>(cpus));
-  const Target target = run.best();
-  const Workload& workload = run.Measured();
   constexpr std::size_t kObjects = std::size_t{1} << 16;
   constexpr std::size_t kQueries = 32;
-  const AaboWorld3 cached = ResizedTo(workload.objects, kObjects);
-  std::vector<Aabo3> some;
+  const AaboWorld3 cached = ResizedTo(run.Measured().objects, kObjects);
+  const std::vector<Aabo3>& all = run.Measured().queries;
+  std::vector<DownSimplex3> queries;
   for (std::size_t i = 0; i < kQueries; ++i) {
-    some.push_back(workload.queries[i % workload.queries.size()]);
+    queries.push_back(all[i % all.size()].down());
   }
-  const ShapeQueries queries(some);
-  std::vector<std::uint64_t> masks(kQueries * MaskWords(kObjects));
   try {
-    AddRows(run,
-            {"many queries, cache", kObjects,
-             static_cast<double>(kObjects * kQueries), masks,
-             [&](const Range& range) {
-               SurvivorMasks(cached.view().simplex(), queries.simplices(),
-                             std::span(masks).subspan(range.begin / 64),
-                             {.target = target, .range = range},
-                             MaskWords(kObjects));
-             }},
+    AddRows(run, "many queries, cache", cached.view().simplex(), queries,
             counts, table);
     for (WorkingSet* set : run.Sets({"memory"})) {
-      AddRows(run,
-              {"one query, " + set->name(), set->objects(),
-               static_cast<double>(set->objects()), set->mask(),
-               [&](const Range& range) {
-                 SurvivorMask(set->view().simplex(), queries.simplices()[0],
-                              std::span(set->mask()).subspan(range.begin / 64),
-                              {.target = target, .range = range});
-               }},
-              counts, table);
+      AddRows(run, "one query, " + set->name(), set->view().simplex(),
+              std::span(queries).first(1), counts, table);
     }
   } catch (const std::system_error& error) {
     table.notes.push_back(std::string("No thread can be started: ") +
@@ -144,8 +123,7 @@ Tables RunThreads(Run& run) {
   }
   run.threads = table;
   // The page has the answers alone.
-  if (run.is_page()) return {};
-  return {table};
+  return run.is_page() ? Tables() : Tables{table};
 }
 
 }  // namespace halfspace::bench

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <utility>
 
 #include "bench/base/text.h"
@@ -20,16 +21,12 @@ constexpr std::array<double, 7> kPercents = {0.1, 0.3,  1.0, 2.0,
 
 constexpr std::size_t kRepetitions = 6;
 
-// Two digits of a percentage: "0.84", "3.4", "12".
+// Two digits of a percentage: "0.84", "3.4", "12"; "0.1", "3" of a row.
 std::string PercentText(double percent) {
-  const int digits = percent < 0.995 ? 2 : percent < 9.95 ? 1 : 0;
-  std::string text = Fixed(percent, digits);
-  // Whole sizes of rows as they are written there: "0.1", "3".
-  if (text.find('.') != std::string::npos) {
-    text.erase(text.find_last_not_of('0') + 1);
-    if (text.back() == '.') text.pop_back();
-  }
-  return text;
+  std::ostringstream text;
+  text.precision(2);
+  text << percent;
+  return text.str();
 }
 
 // An end of a range of sizes, of which some were measured.
@@ -57,22 +54,17 @@ std::string FromText(const Ratio& from, std::span<const double> sizes) {
 }
 
 std::vector<std::string> LeadOf(const Verdict& verdict, double exact_ns) {
-  std::vector<double> sizes;
-  for (const VerdictWorld& world : verdict.worlds()) {
-    sizes.push_back(world.percent);
-  }
   // "  AVX2, 8       " and what is measured of it.
   const auto line = [&](std::size_t c, bool is_exact) {
     constexpr std::size_t kWidth = 16;
     std::string name = "  " + verdict.columns()[c].name + " ";
     name.resize(std::max(kWidth, name.size()), ' ');
     if (verdict.is_of_file()) {
-      return name + RatioText(verdict.worlds()[0].BoxOverSimplex(
-                        c, is_exact ? exact_ns : 0.0));
+      const double exact = is_exact ? exact_ns : 0.0;
+      return name + RatioText(verdict.worlds()[0].BoxOverSimplex(c, exact));
     }
-    const Crossings crossings = verdict.CrossingsOf(c, is_exact);
-    return name + (is_exact ? BoxAgainText(crossings, sizes)
-                            : SimplexText(crossings, sizes));
+    const auto text = is_exact ? &BoxAgainText : &SimplexText;
+    return name + text(verdict.CrossingsOf(c, is_exact), verdict.sizes());
   };
   std::vector<std::string> lines = {
       verdict.is_of_file()
@@ -91,8 +83,8 @@ std::vector<std::string> LeadOf(const Verdict& verdict, double exact_ns) {
 }
 
 // The ratios of each world and column.
-Table TableOf(const Verdict& verdict, std::string name, std::string title,
-              double exact_ns) {
+Table TableOf(Run& run, std::string name, std::string title, double exact_ns) {
+  const Verdict& verdict = run.TheVerdict();
   Table table{std::move(name),
               std::move(title),
               {verdict.is_of_file() ? Key("size") : Key("size", "%")}};
@@ -108,7 +100,7 @@ Table TableOf(const Verdict& verdict, std::string name, std::string title,
     table.Add(std::move(row));
   }
   if (verdict.is_of_file()) {
-    const std::size_t own = verdict.objects_of_file();
+    const std::size_t own = run.input()->objects.size();
     const std::size_t all = verdict.worlds()[0].objects;
     if (own < all) {
       table.notes.push_back("The file has " + Grouped(own) +
@@ -118,16 +110,15 @@ Table TableOf(const Verdict& verdict, std::string name, std::string title,
     return table;
   }
   table.notes.push_back("size: an object's side over the world's.");
-  Chart chart{"size", {}, "", true, true};
+  table.chart = Chart{"size", {}, "", true, true};
   for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
-    chart.y.push_back(verdict.columns()[c].name);
+    table.chart->y.push_back(verdict.columns()[c].name);
     // Unless it lies beyond the sizes that were measured.
     const double from = verdict.CrossingsOf(c, false).from.median;
     if (exact_ns == 0.0 && from > 0.0 && std::isfinite(from)) {
-      chart.marks.push_back({chart.y.back(), from});
+      table.chart->marks.push_back({verdict.columns()[c].name, from});
     }
   }
-  table.chart = std::move(chart);
   return table;
 }
 
@@ -158,19 +149,23 @@ Table TimesTable(const Verdict& verdict) {
                Value("time", "ns", 4), Value("over the flat simplex", "", 3)}};
   for (const VerdictWorld& world : verdict.worlds()) {
     for (std::size_t c = 0; c < verdict.columns().size(); ++c) {
+      const Timing simplex = world.TimingOf(c, kFlatSimplex);
       for (std::size_t i = 0; i < kContenders.size(); ++i) {
-        const auto ns = [i](const GroupTimes& group) { return group.ns[i]; };
-        const auto over_simplex = [i](const GroupTimes& group) {
-          return group.ns[i] / group.ns[kFlatSimplex];
-        };
+        const Timing ns = world.TimingOf(c, i);
         times.Add({world.name(), verdict.columns()[c].name,
                    NameOf(kContenders[i].shape), kContenders[i].schedule,
-                   GroupRange(world.OfGroups(c, ns)),
-                   GroupRange(world.OfGroups(c, over_simplex))});
+                   GroupRange(ns.samples), GroupRange(RatiosOf(ns, simplex))});
       }
     }
   }
   return times;
+}
+
+// In one group, with an exact test of that many ns over the objects.
+double RatioOf(const GroupTimes& group, const PerShape<double>& survivors,
+               double exact) {
+  return (group.box + exact * survivors.aabb) /
+         (group.simplex + exact * survivors.simplex);
 }
 
 }  // namespace
@@ -187,15 +182,15 @@ const char* NameOf(Winner winner) {
 }
 
 double BestTime(std::span<const std::vector<double>> samples) {
-  // The median of every second repetition of a contender.
+  // The median of every second repetition of a contender. A single repetition
+  // is both halves.
   const auto half = [](const std::vector<double>& all, std::size_t first) {
-    std::vector<double> some;
-    // A single repetition is both halves.
-    for (std::size_t i = std::min(first, all.size() - 1); i < all.size();
-         i += 2) {
-      some.push_back(all[i]);
+    Timing some;
+    for (first = std::min(first, all.size() - 1); first < all.size();
+         first += 2) {
+      some.samples.push_back(all[first]);
     }
-    return RangeOf(some).median;
+    return some.Median();
   };
   double sum = 0.0;
   for (std::size_t chosen_in : {0, 1}) {
@@ -209,11 +204,9 @@ double BestTime(std::span<const std::vector<double>> samples) {
 }
 
 Cell Marked(const Ratio& box_over_simplex) {
+  constexpr Flag kFlags[] = {Flag::kWinner, Flag::kNone, Flag::kTie};
   const Winner winner = WinnerOf(box_over_simplex);
-  return Cell(box_over_simplex)
-      .With(winner == Winner::kSimplex ? Flag::kWinner
-            : winner == Winner::kNone  ? Flag::kTie
-                                       : Flag::kNone);
+  return Cell(box_over_simplex).With(kFlags[static_cast<std::size_t>(winner)]);
 }
 
 std::string VerdictWorld::name() const {
@@ -229,13 +222,19 @@ PerShape<double> VerdictWorld::MeanSurvivors() const {
   return means;
 }
 
+Timing VerdictWorld::TimingOf(std::size_t column, std::size_t contender) const {
+  Timing timing;
+  for (const GroupTimes& group : times[column]) {
+    timing.samples.push_back(group.ns[contender]);
+  }
+  return timing;
+}
+
 Ratio VerdictWorld::BoxOverSimplex(std::size_t column, double exact_ns) const {
   const double exact = exact_ns / static_cast<double>(objects);
   std::vector<double> ratios;
   for (std::size_t g = 0; g < survivors.size(); ++g) {
-    const GroupTimes& group = times[column][g];
-    ratios.push_back((group.box + exact * survivors[g].aabb) /
-                     (group.simplex + exact * survivors[g].simplex));
+    ratios.push_back(RatioOf(times[column][g], survivors[g], exact));
   }
   return GroupRange(ratios);
 }
@@ -274,7 +273,8 @@ struct Verdict::Place {
   std::map<std::size_t, GroupTimes> times;  // of each column that was timed
 };
 
-Verdict::Verdict(Run& run) : best_target_(run.best()), effort_(run.effort) {
+Verdict::Verdict(Run& run)
+    : sizes_(kPercents.begin(), kPercents.end()), effort_(run.effort) {
   // The narrowest first.
   for (std::size_t t = run.targets.size(); t-- > 0;) {
     const Target target = run.targets[t];
@@ -282,49 +282,43 @@ Verdict::Verdict(Run& run) : best_target_(run.best()), effort_(run.effort) {
     columns_.push_back(
         {NameOf(target) + (lanes == 1 ? "" : ", " + std::to_string(lanes)),
          target});
+    if (target == run.best()) best_column_ = columns_.size() - 1;
   }
   if (run.options.repetitions == 0) effort_.repetitions = kRepetitions;
   effort_.repetitions = std::min(effort_.repetitions, kRepetitions);
   effort_.seconds_per_repetition /= 6.0;
   size_ = WorkingSetSizes(run.machine)[1];
-  if (run.input() != nullptr) objects_of_file_ = run.input()->objects.size();
-  std::vector<double> percents(kPercents.begin(), kPercents.end());
-  if (run.input() != nullptr) percents = {0.0};
-  for (double percent : percents) {
-    VerdictWorld world;
-    world.percent = percent;
-    world.objects = size_.objects;
-    world.times.resize(columns_.size());
-    worlds_.push_back(std::move(world));
+  if (run.input() != nullptr) sizes_ = {0.0};
+  for (double percent : sizes_) {
+    worlds_.push_back({.percent = percent, .objects = size_.objects});
+    worlds_.back().times.resize(columns_.size());
   }
   for (Spans& spans : spans_) spans.resize(columns_.size());
 }
 
-Verdict::~Verdict() = default;
-
 // Queries go on where the group before has ended: those of a scene are drawn
 // anew, like its objects.
 Verdict::Place Verdict::MakePlace(Run& run, double percent) const {
-  const std::size_t of_groups = run.VerdictGroups();
+  const Workload* input = run.input();
+  const std::size_t all = input != nullptr ? input->timed_queries.size()
+                          : run.options.queries != 0 ? run.options.queries
+                                                     : kTimedQueries;
+  const std::size_t count =
+      (all + run.VerdictGroups() - 1) / run.VerdictGroups();
   Place place;
-  if (percent == 0.0) {
-    const std::vector<Aabo3>& all = run.input()->timed_queries;
-    const std::size_t count = (all.size() + of_groups - 1) / of_groups;
+  if (input != nullptr) {
     std::vector<Aabo3> queries;
     for (std::size_t q = 0; q < count; ++q) {
-      queries.push_back(all[(groups_ * count + q) % all.size()]);
+      queries.push_back(input->timed_queries[(groups_ * count + q) % all]);
     }
-    place.set = std::make_unique<WorkingSet>(run.input()->objects,
-                                             std::move(queries), size_);
+    place.set =
+        std::make_unique<WorkingSet>(input->objects, std::move(queries), size_);
   } else {
-    const std::size_t all =
-        run.options.queries != 0 ? run.options.queries : kTimedQueries;
     // The same seed at all sizes of a group, so that they differ in nothing
     // else.
     place.set = std::make_unique<WorkingSet>(
         SceneOfSize(percent / 100.0, size_.objects,
-                    run.options.seed + 1'000'003 * groups_,
-                    (all + of_groups - 1) / of_groups),
+                    run.options.seed + 1'000'003 * groups_, count),
         size_);
   }
   for (const Aabo3& query : place.set->queries()) {
@@ -361,31 +355,22 @@ GroupTimes Verdict::TimePlace(Run& run, Place& place, std::size_t column,
 }
 
 void Verdict::FindSpans(Run& run, std::map<double, Place>& places) {
-  std::vector<double> sizes;
-  for (const VerdictWorld& world : worlds_) sizes.push_back(world.percent);
-  const double exact_ns = run.TheExactTest().ns.median;
+  const auto find = [&](std::size_t c, double exact_ns) {
+    return FindSpan(sizes_, [&](double percent) {
+      Place& place = places[percent];
+      if (place.set == nullptr) place = MakePlace(run, percent);
+      if (!place.times.contains(c)) {
+        place.times[c] = TimePlace(run, place, c, effort_);
+      }
+      return RatioOf(place.times[c], place.survivors,
+                     exact_ns / static_cast<double>(size_.objects));
+    });
+  };
   for (std::size_t c = 0; c < columns_.size(); ++c) {
-    const auto find = [&](double ns) {
-      return FindSpan(sizes, [&](double percent) {
-        auto place = places.find(percent);
-        if (place == places.end()) {
-          place = places.emplace(percent, MakePlace(run, percent)).first;
-        }
-        std::map<std::size_t, GroupTimes>& timed = place->second.times;
-        if (!timed.contains(c)) {
-          timed[c] = TimePlace(run, place->second, c, effort_);
-        }
-        const auto cost = [&](double scan, double survivors) {
-          return scan + ns * survivors / static_cast<double>(size_.objects);
-        };
-        const PerShape<double>& survivors = place->second.survivors;
-        return cost(timed[c].box, survivors.aabb) /
-               cost(timed[c].simplex, survivors.simplex);
-      });
-    };
-    spans_[0][c].push_back(find(0.0));
+    spans_[0][c].push_back(find(c, 0.0));
     // The lead has one line of exact tests.
-    if (c == best_column()) spans_[1][c].push_back(find(exact_ns));
+    if (c != best_column_) continue;
+    spans_[1][c].push_back(find(c, run.TheExactTest().ns));
   }
 }
 
@@ -394,8 +379,7 @@ void Verdict::AddGroup(Run& run) {
   Effort complete = effort_;
   complete.is_complete = true;
   for (VerdictWorld& world : worlds_) {
-    Place& place = places.emplace(world.percent, MakePlace(run, world.percent))
-                       .first->second;
+    Place& place = places[world.percent] = MakePlace(run, world.percent);
     world.survivors.push_back(place.survivors);
     for (std::size_t c = 0; c < columns_.size(); ++c) {
       place.times[c] = TimePlace(run, place, c, complete);
@@ -409,15 +393,7 @@ void Verdict::AddGroup(Run& run) {
   }
   if (!is_of_file()) FindSpans(run, places);
   ++groups_;
-  for (VerdictWorld& world : worlds_) {
-    sets_.push_back(std::move(places.at(world.percent).set));
-  }
-}
-
-std::size_t Verdict::best_column() const {
-  std::size_t best = columns_.size() - 1;
-  while (best > 0 && columns_[best].target != best_target_) --best;
-  return best;
+  for (double size : sizes_) sets_.push_back(std::move(places.at(size).set));
 }
 
 Crossings Verdict::CrossingsOf(std::size_t column, bool with_exact) const {
@@ -432,29 +408,27 @@ Crossings Verdict::CrossingsOf(std::size_t column, bool with_exact) const {
 
 Tables RunVerdict(Run& run) {
   if (run.machine.is_emulated) {
-    return {{"verdict",
-             "simplex or box",
-             {},
-             {},
-             {"Not measured: the CPU is emulated, and its times mean "
-              "nothing."}}};
+    return {{.name = "verdict",
+             .title = "simplex or box",
+             .notes = {"Not measured: the CPU is emulated, and its times mean "
+                       "nothing."}}};
   }
   const Verdict& verdict = run.TheVerdict();
   const ExactTest exact = run.TheExactTest();
   const std::size_t cells = verdict.worlds().size() * verdict.columns().size();
-  Tables tables = {TableOf(verdict, "verdict",
+  Tables tables = {TableOf(run, "verdict",
                            "time of the best float box scan / time of the best "
                            "simplex scan, one query, L2",
                            0.0)};
-  tables[0].lead = LeadOf(verdict, exact.ns.median);
+  tables[0].lead = LeadOf(verdict, exact.ns);
   tables[0].notes.push_back(
       PromiseText(verdict, run.is_page() ? cells : 2 * cells));
   if (run.is_page()) return tables;
-  tables.push_back(TableOf(verdict, "verdict: with exact tests",
+  tables.push_back(TableOf(run, "verdict: with exact tests",
                            "the same with an exact test of " +
-                               Fixed(exact.ns.median, 0) + " ns (" +
-                               exact.name + ") of each survivor",
-                           exact.ns.median));
+                               Fixed(exact.ns, 0) + " ns (" + exact.name +
+                               ") of each survivor",
+                           exact.ns));
   tables.push_back(TimesTable(verdict));
   return tables;
 }

@@ -69,17 +69,13 @@ struct GroupTimes {
 struct VerdictWorld {
   double percent = 0.0;  // of the world's side that an object takes; 0: a file
   std::size_t objects = 0;
-  std::vector<PerShape<double>> survivors;     // of a query, in each group
-  std::vector<std::vector<GroupTimes>> times;  // of each column and group
+  // Of a query, in each group; and of each column and group.
+  std::vector<PerShape<double>> survivors = {};
+  std::vector<std::vector<GroupTimes>> times = {};
 
   std::string name() const;
-  // f(times) of each group of a column.
-  template <typename F>
-  std::vector<double> OfGroups(std::size_t column, F f) const {
-    std::vector<double> values;
-    for (const GroupTimes& group : times[column]) values.push_back(f(group));
-    return values;
-  }
+  // Of each group.
+  Timing TimingOf(std::size_t column, std::size_t contender) const;
   // Of a query, the mean of the groups: kappa.
   PerShape<double> MeanSurvivors() const;
   // The times with that exact test.
@@ -105,7 +101,6 @@ std::string RatioText(const Ratio& box_over_simplex);
 class Verdict {
  public:
   explicit Verdict(Run& run);
-  ~Verdict();
 
   void AddGroup(Run& run);
 
@@ -114,10 +109,11 @@ class Verdict {
   const std::vector<VerdictColumn>& columns() const { return columns_; }
   // The one of the target that programs get. Of some of that target, the one
   // with the longest vectors.
-  std::size_t best_column() const;
+  std::size_t best_column() const { return best_column_; }
   const std::vector<VerdictWorld>& worlds() const { return worlds_; }
-  bool is_of_file() const { return worlds_.front().percent == 0.0; }
-  std::size_t objects_of_file() const { return objects_of_file_; }
+  // Of the worlds, in percent.
+  const std::vector<double>& sizes() const { return sizes_; }
+  bool is_of_file() const { return sizes_.front() == 0.0; }
   // Where the simplex is faster; with exact tests of the best column alone.
   Crossings CrossingsOf(std::size_t column, bool with_exact) const;
   // Different queries in each cell.
@@ -134,9 +130,9 @@ class Verdict {
 
   std::size_t groups_ = 0;
   std::size_t queries_ = 0;
-  std::size_t objects_of_file_ = 0;
-  Target best_target_;
+  std::size_t best_column_ = 0;
   std::vector<VerdictColumn> columns_;
+  std::vector<double> sizes_;
   std::vector<VerdictWorld> worlds_;
   std::array<Spans, 2> spans_;  // without exact tests, and with them
   // Those of the rows are new in each group, and stay: where a world lies in

@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "halfspace/bvh.h"
+#include "halfspace/bvh_pairs.h"
+
 namespace halfspace::bench {
 namespace {
 
@@ -116,6 +119,47 @@ std::vector<Aabb<kDims>> BodyScene<kDims>::At(const Ids& ids,
     boxes.push_back(box);
   }
   return boxes;
+}
+
+template <int kDims>
+bool BodyScene<kDims>::ArePairs(const Ids& moved, std::size_t state,
+                                float slack,
+                                std::vector<IndexPair>& found) const {
+  std::vector<Box> boxes = At(AllIds(), 0);
+  const std::vector<Box> now = At(moved, state);
+  std::vector<bool> is_moved(boxes.size());
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    boxes[moved[i]] = now[i];
+    is_moved[moved[i]] = true;
+  }
+  for (IndexPair& pair : found) std::sort(pair.begin(), pair.end());
+  std::sort(found.begin(), found.end());
+  const auto touching = [&] {
+    std::vector<IndexPair> pairs;
+    ForEachPair(Bvh<AabbView<kDims>>(boxes), [&](Span<const IdPair> some) {
+      for (const auto& [a, b] : some) {
+        if (is_moved[a] || is_moved[b]) {
+          pairs.push_back({std::min(a, b), std::max(a, b)});
+        }
+      }
+    });
+    std::sort(pairs.begin(), pairs.end());
+    return pairs;
+  };
+  const std::vector<IndexPair> most = touching();
+  for (Box& box : boxes) {
+    float square = 0;
+    for (std::size_t k = 0; k < kDims; ++k) {
+      const float far = std::max(std::abs(box.min[k]), std::abs(box.max[k]));
+      square += far * far;
+    }
+    for (float& x : box.min) x += slack * std::sqrt(square);
+    for (float& x : box.max) x -= slack * std::sqrt(square);
+  }
+  const std::vector<IndexPair> least = touching();
+  return std::includes(found.begin(), found.end(), least.begin(),
+                       least.end()) &&
+         std::includes(most.begin(), most.end(), found.begin(), found.end());
 }
 
 template class BodyScene<2>;

@@ -42,6 +42,12 @@ class BodyScene {
   // The boxes of these bodies in a state.
   std::vector<Box> At(const Ids& ids, std::size_t state) const;
 
+  // Whether these are the pairs after some bodies have moved to a state: those
+  // that touch and have one of the bodies. A pair that touches by less than the
+  // slack (BodySpace::Slack()) may be missing.
+  bool ArePairs(const Ids& moved, std::size_t state, float slack,
+                std::vector<IndexPair>& found) const;
+
  private:
   std::vector<Box> boxes_;
   std::vector<Point<kDims>> velocities_;  // of a frame

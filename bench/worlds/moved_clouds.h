@@ -11,6 +11,7 @@
 
 #include "bench/worlds/random.h"
 #include "bench/worlds/workload.h"
+#include "halfspace/fit.h"
 
 namespace halfspace::bench {
 
@@ -50,6 +51,10 @@ class MovedClouds {
       for (std::size_t k = 0; k < kDims; ++k) moved_[n++] = point[k] + to[k];
     }
     return std::span(moved_).first(n);
+  }
+  Aabo<kDims> NextBound() {
+    const auto points = Next();
+    return BoundPoints(Points<kDims>{points.data(), points.size() / kDims});
   }
 
  private:

@@ -23,11 +23,6 @@ std::vector<Aabo3> SomeOf(const AaboWorld3& objects, std::size_t count) {
   return some;
 }
 
-Aabo3 BoundNext(MovedClouds<3>& clouds) {
-  const auto points = clouds.Next();
-  return BoundPoints(Points3{points.data(), points.size() / 3});
-}
-
 }  // namespace
 
 Aabb3 BoxAround(const AaboWorld3& objects) {
@@ -145,10 +140,10 @@ Workload MakeScene(std::size_t objects, std::size_t queries, std::uint64_t seed,
   Workload scene{"scene", {}, {}};
   scene.objects.Reserve(objects);
   for (std::size_t i = 0; i < objects; ++i) {
-    scene.objects.Push(BoundNext(clouds));
+    scene.objects.Push(clouds.NextBound());
   }
   for (std::size_t i = 0; i < queries; ++i) {
-    scene.queries.push_back(BoundNext(clouds));
+    scene.queries.push_back(clouds.NextBound());
   }
   return scene;
 }
@@ -159,6 +154,25 @@ Workload SceneOfSize(double share, std::size_t objects, std::uint64_t seed,
                              static_cast<float>(share) * kSceneSide / 2);
   scene.timed_queries = scene.queries;
   return scene;
+}
+
+std::vector<std::array<Triangle, 2>> TrianglePairs(std::size_t count,
+                                                   std::uint64_t seed) {
+  constexpr float kBetween = 0.75f;
+  Random random(seed);
+  std::vector<std::array<Triangle, 2>> pairs(count);
+  for (std::array<Triangle, 2>& pair : pairs) {
+    for (Triangle& corners : pair) {
+      Vector3 at;
+      for (float& x : at) x = kBetween * random.Signed();
+      for (Vector3& corner : corners) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          corner[k] = at[k] + 0.5f * random.Signed();
+        }
+      }
+    }
+  }
+  return pairs;
 }
 
 }  // namespace halfspace::bench

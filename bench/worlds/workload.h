@@ -3,11 +3,13 @@
 #ifndef HALFSPACE_BENCH_WORLDS_WORKLOAD_H_
 #define HALFSPACE_BENCH_WORLDS_WORKLOAD_H_
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "bench/baselines/triangles.h"
 #include "halfspace/bounds.h"
 #include "halfspace/world.h"
 
@@ -80,6 +82,10 @@ Workload MakeScene(std::size_t objects, std::size_t queries, std::uint64_t seed,
 // are timed.
 Workload SceneOfSize(double share, std::size_t objects, std::uint64_t seed,
                      std::size_t queries = kTimedQueries);
+
+// Pairs of triangles around each other, as candidates of an exact test are.
+std::vector<std::array<Triangle, 2>> TrianglePairs(std::size_t count,
+                                                   std::uint64_t seed);
 
 }  // namespace halfspace::bench
 

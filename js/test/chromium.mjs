@@ -9,22 +9,19 @@ export const hasChromium = existsSync(chromium);
 // Opens `page`, from a server of this folder's files, and returns what it posts to
 // /posted. So it does not matter how long the page takes.
 export function postedBy(page) {
-  let posted = '';
-  let browser;
-  const server = createServer((request, response) => {
-    if (request.url === '/posted') {
-      request.on('data', (data) => { posted += data; });
-      request.on('end', () => response.end(() => browser.kill()));
-    } else if (request.url === '/') {
-      response.setHeader('Content-Type', 'text/html');
-      response.end(page);
-    } else {
-      response.setHeader('Content-Type', 'text/javascript');
-      createReadStream(`.${request.url}`).on('error', () => response.destroy()).pipe(response);
-    }
-  });
   return new Promise((resolve) => {
-    server.listen(0, '127.0.0.1', () => {
+    let browser, posted = '';
+    const server = createServer(async (request, response) => {
+      if (request.url === '/posted') {
+        for await (const data of request) posted += data;
+        response.end(() => browser.kill());
+      } else if (request.url === '/') {
+        response.setHeader('Content-Type', 'text/html').end(page);
+      } else {
+        response.setHeader('Content-Type', 'text/javascript');
+        createReadStream(`.${request.url}`).on('error', () => response.destroy()).pipe(response);
+      }
+    }).listen(0, '127.0.0.1', () => {
       const address = `http://127.0.0.1:${server.address().port}/`;
       browser = spawn(chromium, ['--headless', '--no-sandbox', '--disable-gpu', address],
         { stdio: 'ignore', timeout: 300000 });
