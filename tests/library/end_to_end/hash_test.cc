@@ -126,7 +126,8 @@ TEST_P(FlatScanTargetsTest, AnswersAreThoseOfTheOracle) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, FlatScanTargetsTest,
-                         ::testing::ValuesIn(AllFlatCases()), FlatCaseName);
+                         ::testing::ValuesIn(AllFlatCases()),
+                         ::testing::PrintToStringParamName());
 
 class QuantizedHashTest : public ::testing::TestWithParam<QuantizedRow> {};
 
@@ -164,7 +165,8 @@ TEST_P(QuantizedHashTest, IsTheSameEverywhere) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, QuantizedHashTest,
-                         ::testing::ValuesIn(QuantizedRows()), OwnerName());
+                         ::testing::ValuesIn(QuantizedRows()),
+                         ::testing::PrintToStringParamName());
 
 // One constant per builder that stands for its bounds of many seeded shapes, in
 // all floating-point modes of the caller.
@@ -191,7 +193,7 @@ TEST_P(BoundHashTest, IsTheSameEverywhere) {
 
 INSTANTIATE_TEST_SUITE_P(, BoundHashTest,
                          ::testing::ValuesIn(BuildersAndChanges()),
-                         BuilderNames());
+                         ::testing::PrintToStringParamName());
 
 // One constant per builder of many bounds that stands for its bounds of many
 // seeded shapes, in every layout.

@@ -111,7 +111,8 @@ TEST_P(NoAllocationOfCallsTest, OnFloatsAndQuantized) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, NoAllocationOfCallsTest,
-                         ::testing::ValuesIn(QuantizedRows()), OwnerName());
+                         ::testing::ValuesIn(QuantizedRows()),
+                         ::testing::PrintToStringParamName());
 
 // Of more objects than one level has nodes for.
 void VisitBvh(

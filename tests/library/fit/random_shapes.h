@@ -44,12 +44,10 @@ inline const char* NameOf(PointKind kind) {
   return kNames[static_cast<std::size_t>(kind)];
 }
 
-// Runs check(kind, random), which looks at `bounds` bounds, for Scaled(samples)
-// samples of each kind, or until one fails. The test's XML report says how many
-// bounds that were; tests/full_scale.sh adds them up.
+// Runs check(kind, random) for Scaled(samples) samples of each kind, or until
+// one fails.
 template <typename Check>
-void ForEachSample(std::uint64_t seed, std::size_t samples, std::size_t bounds,
-                   Check check) {
+void ForEachSample(std::uint64_t seed, std::size_t samples, Check check) {
   Random random(seed);
   const std::size_t count = Scaled(samples);
   for (PointKind kind : kPointKinds) {
@@ -60,8 +58,6 @@ void ForEachSample(std::uint64_t seed, std::size_t samples, std::size_t bounds,
       }
     }
   }
-  ::testing::Test::RecordProperty(
-      "bounds", std::to_string(kPointKinds.size() * count * bounds));
 }
 
 inline float RandomSign(Random& random) {

@@ -81,7 +81,7 @@ TEST_P(FitManyTest, BoundsAreThoseOfOneShape) {
            .inverted = options < 2 ? Inverted::kEverything : Inverted::kEmpty});
       ExpectAll(answers, shapes, [] { return Arena(); });
     };
-    ForEachSample(70, 2, kShapes, [&](PointKind kind, Random& random) {
+    ForEachSample(70, 2, [&](PointKind kind, Random& random) {
       BulkShapes shapes = RandomShapes(GetParam(), kind, kShapes, random);
       expect_all(shapes);
       // Some with anything at all in them.
@@ -178,13 +178,8 @@ TEST_P(FitManyTest, IndicesAndEndsThatAreOutOfRange) {
   }
 }
 
-struct BulkName {
-  std::string operator()(const ::testing::TestParamInfo<Bulk>& info) const {
-    return info.param.name;
-  }
-};
 INSTANTIATE_TEST_SUITE_P(, FitManyTest, ::testing::ValuesIn(Bulks()),
-                         BulkName());
+                         ::testing::PrintToStringParamName());
 
 // Builds so large that they are written past the caches, against small ones. In
 // 3D an AABO takes 32 bytes: 96 MiB, and a tail. Stores past the caches fault

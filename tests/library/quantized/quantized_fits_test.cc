@@ -297,7 +297,7 @@ std::vector<OwnerRow> QuantizedWorldRows() {
 }
 INSTANTIATE_TEST_SUITE_P(, QuantizedFitsTest,
                          ::testing::ValuesIn(QuantizedWorldRows()),
-                         OwnerName());
+                         ::testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace halfspace::testing

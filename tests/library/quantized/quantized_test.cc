@@ -133,7 +133,7 @@ TEST_P(QuantizedTest, Ranges) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, QuantizedTest, ::testing::ValuesIn(QuantizedRows()),
-                         OwnerName());
+                         ::testing::PrintToStringParamName());
 
 // Every level of an object against levels of a query, in every plane: all 65
 // 536 pairs of one byte, and of two bytes all objects against the queries where
@@ -263,7 +263,8 @@ TEST_P(QuantizedPairsTest, NanTeachesNothing) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, QuantizedPairsTest,
-                         ::testing::ValuesIn(QuantizedRows()), OwnerName());
+                         ::testing::ValuesIn(QuantizedRows()),
+                         ::testing::PrintToStringParamName());
 
 // What calls on quantized bounds refuse: floats that do not refine them, and
 // outputs within either. (Owners refuse in world/owner_test.cc.)

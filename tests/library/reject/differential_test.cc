@@ -279,7 +279,8 @@ TEST_P(DifferentialTest, ManyQueriesAroundTiles) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, DifferentialTest,
-                         ::testing::ValuesIn(AllFlatCases()), FlatCaseName);
+                         ::testing::ValuesIn(AllFlatCases()),
+                         ::testing::PrintToStringParamName());
 
 // Planes that are seen as others have the same ranges.
 class RangeTest : public DifferentialTest {
@@ -333,7 +334,7 @@ TEST_P(RangeTest, RangesAcrossTiles) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, RangeTest, ::testing::ValuesIn(WholeFlatCases()),
-                         FlatCaseName);
+                         ::testing::PrintToStringParamName());
 
 #if defined(__unix__)
 // The gap after the last point of a stride need not exist.

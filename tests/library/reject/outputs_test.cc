@@ -196,37 +196,30 @@ TEST(ForEachSurvivorTest, CallsUntilItIsStopped) {
       std::runtime_error);
 }
 
-std::size_t seen_by_function = 0;
-void Function(const SurvivorTile& tile) { seen_by_function += tile.queries; }
+std::size_t seen_queries = 0;
+void Function(const SurvivorTile& tile) { seen_queries += tile.queries; }
 
 TEST(ForEachTileTest, TakesAnythingThatTakesATile) {
   const AabbWorld3 world = PointsOnX(100);
   const std::vector<Aabb3> queries = LongerAndLonger(3);
-  seen_by_function = 0;
-  ForEachTile(world, queries, Function);
-  EXPECT_EQ(seen_by_function, 3u);
-  ForEachTile(world, queries, &Function);
-  EXPECT_EQ(seen_by_function, 6u);
-
-  std::size_t seen = 0;
-  const auto add = [&seen](const SurvivorTile& tile) { seen += tile.queries; };
-  ForEachTile(world, queries, add);
-  EXPECT_EQ(seen, 3u);
-  ForEachTile(world, queries, std::function<void(SurvivorTile)>(add));
-  EXPECT_EQ(seen, 6u);
+  const auto expect_seen = [&](auto&& function) {
+    seen_queries = 0;
+    ForEachTile(world, queries, std::forward<decltype(function)>(function));
+    EXPECT_EQ(seen_queries, 3u);
+  };
+  expect_seen(Function);
+  expect_seen(&Function);
+  expect_seen(std::function<void(SurvivorTile)>(Function));
+  expect_seen([p = std::make_unique<int>(3)](const SurvivorTile& tile) {
+    seen_queries += tile.queries == 3 ? static_cast<std::size_t>(*p) : 0;
+  });
   // With a state of its own, which is not copied.
-  auto counter = [&seen,
-                  count = std::size_t{0}](const SurvivorTile& tile) mutable {
-    count += tile.queries;
-    seen = count;
+  auto counter = [count = std::size_t{0}](const SurvivorTile& tile) mutable {
+    seen_queries = count += tile.queries;
   };
-  ForEachTile(world, queries, counter);
+  expect_seen(counter);
   counter(SurvivorTile{});
-  EXPECT_EQ(seen, 3u);
-  auto owner = [p = std::make_unique<int>(3)](const SurvivorTile& tile) {
-    EXPECT_EQ(tile.queries, static_cast<std::size_t>(*p));
-  };
-  ForEachTile(world, queries, std::move(owner));
+  EXPECT_EQ(seen_queries, 3u);
 }
 
 TEST(ForEachTileTest, EndsWhenItIsStoppedOrThrows) {

@@ -401,7 +401,8 @@ TEST_P(RejectErrorsTest, PairsThatOverlapOneAnother) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, RejectErrorsTest,
-                         ::testing::ValuesIn(WholeFlatCases()), FlatCaseName);
+                         ::testing::ValuesIn(WholeFlatCases()),
+                         ::testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace halfspace::testing

@@ -149,7 +149,8 @@ TEST_P(SpecialValuesTest, NothingMoreIsRejectedWithSubnormalsFlushed) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, SpecialValuesTest,
-                         ::testing::ValuesIn(WholeFlatCases()), FlatCaseName);
+                         ::testing::ValuesIn(WholeFlatCases()),
+                         ::testing::PrintToStringParamName());
 
 // Answers worked out by hand, of Everything() and Empty().
 

@@ -72,7 +72,7 @@ TEST_P(StreamingTest, TestsLikeTheFlatKernel) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, StreamingTest, ::testing::ValuesIn(WholeFlatCases()),
-                         FlatCaseName);
+                         ::testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace halfspace::testing

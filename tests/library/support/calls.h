@@ -30,10 +30,13 @@ struct CallOutputs {
   Canaried<std::size_t> counts;
   std::size_t passed = 0;
 
-  bool Untouched() const {
-    return words.IntactBut(0) && indices.IntactBut(0) &&
-           query_indices.IntactBut(0) && counts.IntactBut(0) && passed == 0;
+  // Only so many of each were written.
+  bool IntactBut(std::size_t used_words, std::size_t pairs,
+                 std::size_t used_counts) const {
+    return words.IntactBut(used_words) && indices.IntactBut(pairs) &&
+           query_indices.IntactBut(pairs) && counts.IntactBut(used_counts);
   }
+  bool Untouched() const { return IntactBut(0, 0, 0) && passed == 0; }
 };
 
 using NamedCall =

@@ -99,13 +99,6 @@ struct OwnerRow {
 
 std::vector<OwnerRow> OwnerRows();
 
-struct OwnerName {
-  template <typename Info>
-  std::string operator()(const Info& info) const {
-    return info.param.name;
-  }
-};
-
 // Bounds as floats, as quantized bounds, and as a quantized world.
 struct AnyQuantized {
   AnyWorld floats() const { return its_floats->seen(); }
