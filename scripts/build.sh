@@ -9,7 +9,7 @@ library_tests=(tests/kernels/all tests/library/all)
 # return, hash_test compares with known hashes.
 # shellcheck disable=SC2034
 machine_tests=(
-  scan_test kernels_test reject_test hash_test fp_modes_test fast_math_caller_test
+  scan_test kernels_test reject_test hash_test fast_math_caller_test
   targets_test environment_test detect_targets_test
   broad_phase_threads_test dispatch_race_test range_threads_test)
 

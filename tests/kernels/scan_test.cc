@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -47,13 +48,10 @@ struct WordCase {
 
 inline constexpr std::size_t kMostPlanes = 10;
 
-// Of 1, 2, 5 and 10 planes half, rounded up, are minima. The named ones are of
-// floats, and boxes of doubles too.
+// Of 1, 2, 5 and 10 planes half, rounded up, are minima. The others are the
+// named ones: of floats, and boxes of doubles too.
 template <typename T>
-struct WordCases {
-  WordCase<T> mixed[4];
-  WordCase<T> named[9];
-};
+using WordCases = std::array<WordCase<T>, 13>;
 
 // Specialised by each target's pass over this file.
 template <std::int64_t kTarget, typename T>
@@ -91,10 +89,12 @@ struct WordsOfPlanes {
   }
 };
 
-template <size_t kMins, typename T, size_t... kPlane>
-constexpr testing::WordCase<T> MakeWordCase(std::index_sequence<kPlane...>) {
-  using Words = WordsOfPlanes<kMins, T, kPlane...>;
-  return {kMins, sizeof...(kPlane), &Words::Whole, &Words::Wide, &Words::Tail};
+template <typename T, size_t... kPlane>
+constexpr testing::WordCase<T> WordCaseOf(std::index_sequence<kPlane...>) {
+  constexpr size_t kPlanes = sizeof...(kPlane);
+  using Words = WordsOfPlanes<(kPlanes + 1) / 2, T, kPlane...>;
+  return {(kPlanes + 1) / 2, kPlanes, &Words::Whole, &Words::Wide,
+          &Words::Tail};
 }
 
 // The functions of kernels-inl.h. Their queries have minima, then maxima; here
@@ -128,30 +128,27 @@ HALFSPACE_NAMED_CASE(Simplices, kDims + 1, 0)
 HALFSPACE_NAMED_CASE(Octahedra, kDims + 1, kDims + 1)
 #undef HALFSPACE_NAMED_CASE
 
-template <typename T, size_t... kPlanes>
-constexpr testing::WordCases<T> MakeWordCases(std::index_sequence<kPlanes...>) {
-  testing::WordCases<T> cases = {{MakeWordCase<(kPlanes + 1) / 2, T>(
-                                     std::make_index_sequence<kPlanes>())...},
-                                 {}};
-  if constexpr (std::is_floating_point_v<T>) {
-    cases.named[0] = NamedBoxes<2, T>::Case();
-    cases.named[1] = NamedBoxes<3, T>::Case();
-    cases.named[2] = NamedBoxes<4, T>::Case();
-  }
-  if constexpr (std::is_same_v<T, float>) {
-    cases.named[3] = NamedSimplices<2, T>::Case();
-    cases.named[4] = NamedSimplices<3, T>::Case();
-    cases.named[5] = NamedSimplices<4, T>::Case();
-    cases.named[6] = NamedOctahedra<2, T>::Case();
-    cases.named[7] = NamedOctahedra<3, T>::Case();
-    cases.named[8] = NamedOctahedra<4, T>::Case();
-  }
-  return cases;
-}
-
 template <typename T>
 constexpr testing::WordCases<T> MakeWordCases() {
-  return MakeWordCases<T>(std::index_sequence<1, 2, 5, testing::kMostPlanes>());
+  testing::WordCases<T> cases = {
+      WordCaseOf<T>(std::make_index_sequence<1>()),
+      WordCaseOf<T>(std::make_index_sequence<2>()),
+      WordCaseOf<T>(std::make_index_sequence<5>()),
+      WordCaseOf<T>(std::make_index_sequence<testing::kMostPlanes>())};
+  if constexpr (std::is_floating_point_v<T>) {
+    cases[4] = NamedBoxes<2, T>::Case();
+    cases[5] = NamedBoxes<3, T>::Case();
+    cases[6] = NamedBoxes<4, T>::Case();
+  }
+  if constexpr (std::is_same_v<T, float>) {
+    cases[7] = NamedSimplices<2, T>::Case();
+    cases[8] = NamedSimplices<3, T>::Case();
+    cases[9] = NamedSimplices<4, T>::Case();
+    cases[10] = NamedOctahedra<2, T>::Case();
+    cases[11] = NamedOctahedra<3, T>::Case();
+    cases[12] = NamedOctahedra<4, T>::Case();
+  }
+  return cases;
 }
 
 uint64_t NonzeroWordsOfTest(const uint64_t* words, size_t count) {
@@ -296,8 +293,7 @@ TYPED_TEST(ScanWordsTest, AreThoseOfAPlainLoop) {
   ForEachTargetUnderTest([this](auto target) {
     constexpr const WordCases<TypeParam>& kCases =
         kWordCases<target(), TypeParam>;
-    for (const auto& word_case : kCases.mixed) this->Check(word_case);
-    for (const auto& word_case : kCases.named) {
+    for (const auto& word_case : kCases) {
       if (word_case.planes != 0) this->Check(word_case);
     }
   });

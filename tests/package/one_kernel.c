@@ -1,6 +1,5 @@
-// The least program with a kernel in it, in C. one_kernel_cc.cc and
-// one_kernel_inline.cc are the same program by the other two ways to the
-// kernel.
+// The least program with a kernel in it, in C. one_kernel_inline.cc is the same
+// program by the other way to the kernel.
 #include <halfspace/c/kernels.h>
 #include <stdint.h>
 

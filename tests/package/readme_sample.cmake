@@ -3,29 +3,10 @@
 # example. cmake -DROOT=<repository> -P readme_sample.cmake
 cmake_policy(VERSION 3.25)
 
-file(READ "${ROOT}/README.md" readme)
-file(READ "${ROOT}/examples/quick_start.cc" example)
-string(FIND "${readme}" "```cpp\n" begin)
-if(begin EQUAL -1)
-  message(FATAL_ERROR "README.md has no program after ```cpp")
-endif()
-math(EXPR begin "${begin} + 7")
-string(SUBSTRING "${readme}" ${begin} -1 sample)
-string(FIND "${sample}" "```" end)
-string(SUBSTRING "${sample}" 0 ${end} sample)
-# The file says what it is in its first line.
-string(FIND "${example}" "\n" first_line)
-math(EXPR first_line "${first_line} + 1")
-string(SUBSTRING "${example}" ${first_line} -1 example)
-if(NOT sample STREQUAL example)
-  message(FATAL_ERROR "README.md's program is not examples/quick_start.cc: "
-                      "copy one to the other")
-endif()
-
 # check_page(<page> <fence> <example>...): each program of the page after the fence is a
-# part of one of the examples.
+# part of one of the examples. The last one is in `sample` then.
 function(check_page name fence)
-  file(READ "${ROOT}/docs/${name}" page)
+  file(READ "${ROOT}/${name}" page)
   set(examples "")
   foreach(file IN LISTS ARGN)
     file(READ "${ROOT}/examples/${file}" example)
@@ -45,7 +26,7 @@ function(check_page name fence)
     string(SUBSTRING "${page}" 0 ${end} sample)
     string(FIND "${examples}" "${sample}" found)
     if(found EQUAL -1)
-      message(FATAL_ERROR "This program of docs/${name} is not in ${ARGN}: "
+      message(FATAL_ERROR "This program of ${name} is not in ${ARGN}: "
                           "copy one to the other\n${sample}")
     endif()
     math(EXPR end "${end} + 3")
@@ -53,10 +34,18 @@ function(check_page name fence)
     math(EXPR samples "${samples} + 1")
   endwhile()
   if(samples EQUAL 0)
-    message(FATAL_ERROR "docs/${name} has no program after ${fence}")
+    message(FATAL_ERROR "${name} has no program after ${fence}")
   endif()
+  set(sample "${sample}" PARENT_SCOPE)
 endfunction()
-check_page(porting.md "```cpp" porting.cc)
-check_page(design.md "```cpp" porting.cc)
-check_page(kernels.md "```cpp" kernels.cc kernels_inline.cc)
-check_page(kernels.md "```c" kernels.c)
+check_page(docs/porting.md "```cpp" porting.cc)
+check_page(docs/design.md "```cpp" porting.cc)
+check_page(docs/kernels.md "```cpp" kernels.cc kernels_inline.cc)
+check_page(docs/kernels.md "```c" kernels.c)
+
+# That of the README is the whole example but for its first line, which says what it is.
+check_page(README.md "```cpp" quick_start.cc)
+file(READ "${ROOT}/examples/quick_start.cc" example)
+if(NOT example MATCHES "^// [^\n]*\n(.*)$" OR NOT sample STREQUAL CMAKE_MATCH_1)
+  message(FATAL_ERROR "README.md's program is not examples/quick_start.cc: copy one to the other")
+endif()

@@ -18,6 +18,15 @@ set(refused
   "ForEachNearest(bvh, {}, 1, number)" "${answer}"
   "AaboView<3, double> doubles" "wrong number of template arguments|too many template arguments")
 
+# Builders and bounds of bounds return floats.
+foreach(call "Merge(doubles, doubles)" "Inflate(doubles, 1)" "InflateByBox(doubles, 1)"
+             "Translate(doubles, {})" "TranslateVertices(doubles, {})" "Scale(doubles, 2)"
+             "Sweep(doubles, {})" "BoundBoxes(Boxes3(), wide)"
+             "BoundSpheres(Spheres3(), wide)"
+             "BoundTriangles(Points3(), ids, wide)" "BoundPointSets(Points3(), offsets, wide)")
+  list(APPEND refused "(void)${call}" "no matching function")
+endforeach()
+
 set(source "${OUTPUT}.cc")
 while(refused)
   list(POP_FRONT refused call expected)
@@ -33,7 +42,8 @@ struct Ignore {
 void Call(const AaboWorld3& flat, const QuantizedWorld<AabbView3>& quantized,
           const AabbBvh3& bvh, const AabbBroadPhase3& bodies,
           Span<const HalfSpace3> front, Span<std::uint32_t> ids,
-          Span<std::size_t> offsets, Number number, Ignore ignore) {
+          Span<std::size_t> offsets, Number number, Ignore ignore,
+          const Aabb<3, double>& doubles, const AabbPlanes<3, double>& wide) {
   ${call};
 }
 ")

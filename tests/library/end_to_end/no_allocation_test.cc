@@ -15,11 +15,13 @@
 #include "tests/library/fit/builders.h"
 #include "tests/library/fit/random_shapes.h"
 #include "tests/library/fit_many/bulk.h"
+#include "tests/library/fit_many/bulk_answers.h"
 #include "tests/library/support/answers.h"
 #include "tests/library/support/calls.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/limited_memory.h"
-#include "tests/library/support/quantized_rows.h"
+#include "tests/library/support/owners.h"
+#include "tests/library/support/quantized_cases.h"
 #include "tests/library/support/sanitized.h"
 
 #if defined(__unix__)
@@ -64,11 +66,8 @@ TEST(NoAllocationTest, Builders) {
 TEST(NoAllocationTest, BuildersOfMany) {
   Random random(62);
   for (const Bulk& bulk : Bulks()) {
-    const Shape shape = RandomShape(bulk.single(), PointKind::kUniform, random);
-    const auto* const numbers = shape.doubles.data();
-    const std::vector<double> one(numbers,
-                                  numbers + bulk.single().roles.size());
-    const BulkShapes shapes(70, one);
+    const BulkShapes shapes =
+        RandomShapes(bulk, PointKind::kUniform, 70, random);
     Arena arena;
     BulkSource source(bulk, shapes);
     for (BulkLayout layout : kBulkLayouts) {
@@ -94,12 +93,13 @@ class NoAllocationOfCallsTest : public ::testing::TestWithParam<QuantizedRow> {
       const auto values =
           MakeQuantizedValues(GetParam().layout, QuantizedInputKind::kUniform,
                               static_cast<std::size_t>(objects), random);
-      const auto all = GetParam().make(values);
-      const auto queries = static_cast<std::size_t>(count);
-      const QuantizedQueries some(GetParam(), values, queries, random);
+      const AnyQuantized all = GetParam().Make(values);
+      const auto queries = MakeQuantizedQueries(
+          GetParam().layout, values, static_cast<std::size_t>(count), random);
       for (const AnyWorld& world :
-           {all->floats(), all->quantized(), all->refined(), all->world()}) {
-        VisitCalls(world, some.Some(0, queries), one, many);
+           {all.floats(), all.quantized(), all.refined(), all.world()}) {
+        VisitCalls(world, {queries.data(), static_cast<std::size_t>(count)},
+                   one, many);
       }
     }
   }
@@ -112,7 +112,7 @@ TEST_P(NoAllocationOfCallsTest, OnFloatsAndQuantized) {
 
 INSTANTIATE_TEST_SUITE_P(, NoAllocationOfCallsTest,
                          ::testing::ValuesIn(QuantizedRows()),
-                         QuantizedRowName);
+                         ::testing::PrintToStringParamName());
 
 // Of more objects than one level has nodes for.
 void VisitBvh(

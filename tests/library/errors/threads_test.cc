@@ -16,7 +16,8 @@
 #include "tests/library/support/answers.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/flat_cases.h"
-#include "tests/library/support/quantized_rows.h"
+#include "tests/library/support/owners.h"
+#include "tests/library/support/quantized_cases.h"
 
 namespace halfspace::testing {
 namespace {
@@ -60,7 +61,7 @@ void ExpectTheyFillTheSameMasks(const AnyWorld& world,
 constexpr std::size_t kObjects = 9 * 64 + 5;
 constexpr std::size_t kQueries = 5;
 
-TEST(RangeThreadsTest, TwoThreadsFillTheSameMasksOfFloats) {
+TEST(RangeThreadsTest, TwoThreadsFillTheSameMasks) {
   Random random(11);
   for (const FlatCase& kind : AllFlatCases()) {
     if (kind.seen.dims != 3) continue;
@@ -70,18 +71,15 @@ TEST(RangeThreadsTest, TwoThreadsFillTheSameMasksOfFloats) {
     ExpectTheyFillTheSameMasks(input.WorldAt(0, kObjects, 1),
                                queries.Some(0, kQueries));
   }
-}
-
-TEST(RangeThreadsTest, TwoThreadsFillTheSameMasksOfQuantizedBounds) {
-  Random random(37);
   for (const QuantizedRow& row : QuantizedRows()) {
     if (row.layout.dims != 3) continue;
     SCOPED_TRACE(row.name);
     const auto values = MakeQuantizedValues(
         row.layout, QuantizedInputKind::kUniform, kObjects, random);
-    const auto all = row.make(values);
-    const QuantizedQueries queries(row, values, kQueries, random);
-    ExpectTheyFillTheSameMasks(all->world(), queries.Some(0, kQueries));
+    const auto queries =
+        MakeQuantizedQueries(row.layout, values, kQueries, random);
+    ExpectTheyFillTheSameMasks(row.Make(values).world(),
+                               {queries.data(), kQueries});
   }
 }
 

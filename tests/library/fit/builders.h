@@ -166,13 +166,6 @@ Shape ShapeOfOnes(const Builder& builder);
 // The same on every machine. One in 256 of its coordinates cannot be bounded.
 Shape SeededShape(const Builder& builder, SeededNumbers& numbers);
 
-struct BuilderNames {
-  template <typename Info>
-  std::string operator()(const Info& info) const {
-    return info.param.name;
-  }
-};
-
 }  // namespace halfspace::testing
 
 #endif  // HALFSPACE_TESTS_LIBRARY_FIT_BUILDERS_H_

@@ -37,13 +37,11 @@ void SetPlanesOfVertices(const Builder& builder, const Shape& vertices,
                          Shape& shape);
 
 // Then the outcome encloses the vertices that are really moved, and rounded,
-// and is tight. If `cuts` is not null, it is set to whether Translate() would
-// not enclose them.
+// and is tight.
 ::testing::AssertionResult EnclosesMovedVertices(const Builder& builder,
                                                  const Shape& vertices,
                                                  const Shape& shape,
-                                                 const Outcome& outcome,
-                                                 bool* cuts = nullptr);
+                                                 const Outcome& outcome);
 
 }  // namespace halfspace::testing
 

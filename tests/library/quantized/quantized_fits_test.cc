@@ -50,9 +50,7 @@ class QuantizedFitsTest : public ::testing::TestWithParam<OwnerRow> {
   }
 
   Record At(const Values& values, std::size_t i) const {
-    Record record{};
-    std::memcpy(record.data(), &values[i * planes_], planes_ * sizeof(float));
-    return record;
+    return RecordOf(&values[i * planes_], planes_);
   }
 
   // Every object from the first on is changed: change(value, plane).
@@ -64,8 +62,7 @@ class QuantizedFitsTest : public ::testing::TestWithParam<OwnerRow> {
       std::array<float, 10> values{};
       std::memcpy(values.data(), record.data(), planes_ * sizeof(float));
       for (std::size_t p = 0; p < planes_; ++p) change(values[p], p);
-      std::memcpy(record.data(), values.data(), planes_ * sizeof(float));
-      world.Set(i, record);
+      world.Set(i, RecordOf(values.data(), planes_));
     }
   }
 
@@ -93,10 +90,7 @@ class QuantizedFitsTest : public ::testing::TestWithParam<OwnerRow> {
     std::size_t of_world = 0;
     std::size_t of_made = 0;
     for (int i = 0; i < 50; ++i) {
-      std::array<float, 10> query{};
-      internal::FillQuantizedQuery(row_.layout, values.data(),
-                                   values.size() / planes_, random_,
-                                   query.data());
+      const auto query = MakeQuantizedQueries(row_.layout, values, 1, random_);
       of_world += Count(world.quantized(), query.data());
       of_made += Count(made->quantized(), query.data());
     }
@@ -303,7 +297,7 @@ std::vector<OwnerRow> QuantizedWorldRows() {
 }
 INSTANTIATE_TEST_SUITE_P(, QuantizedFitsTest,
                          ::testing::ValuesIn(QuantizedWorldRows()),
-                         OwnerName());
+                         ::testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace halfspace::testing

@@ -13,7 +13,6 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "halfspace/reject.h"
@@ -22,7 +21,8 @@
 #include "tests/library/support/cases.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/expect_invalid.h"
-#include "tests/library/support/quantized_rows.h"
+#include "tests/library/support/owners.h"
+#include "tests/library/support/quantized_cases.h"
 #include "tests/library/support/sizes.h"
 
 namespace halfspace::testing {
@@ -39,20 +39,21 @@ class QuantizedTest : public ::testing::TestWithParam<QuantizedRow> {
   void Make(QuantizedInputKind kind, std::size_t size, std::size_t queries) {
     const auto values =
         MakeQuantizedValues(GetParam().layout, kind, size, random_);
-    all_ = GetParam().make(values);
-    queries_ = QuantizedQueries(GetParam(), values, queries, random_);
-    EXPECT_TRUE(all_->Fits());
+    all_ = GetParam().Make(values);
+    queries_ =
+        MakeQuantizedQueries(GetParam().layout, values, queries, random_);
+    EXPECT_TRUE(all_.bounds->Fits());
   }
 
   void Check(std::size_t queries, const Range& range = {}) {
-    const AnyQueries some = queries_.Some(0, queries);
-    const Answers exact = Answers::OfReference(all_->floats(), some, range);
+    const AnyQueries some(queries_.data(), queries);
+    const Answers exact = Answers::OfReference(all_.floats(), some, range);
     SCOPED_TRACE(::testing::Message()
                  << exact.objects() << " objects, " << queries
                  << " queries, range " << range.begin << ", " << range.end);
-    ASSERT_TRUE(QuantizedAnswersEverywhere(all_->quantized(), all_->refined(),
+    ASSERT_TRUE(QuantizedAnswersEverywhere(all_.quantized(), all_.refined(),
                                            exact, some, targets_));
-    ASSERT_TRUE(AnswersEverywhere(exact, all_->world(), some, targets_));
+    ASSERT_TRUE(AnswersEverywhere(exact, all_.world(), some, targets_));
     tests_ += 64 * exact.rejected().size();
     survivors_ += exact.survivors().size();
   }
@@ -72,12 +73,12 @@ class QuantizedTest : public ::testing::TestWithParam<QuantizedRow> {
     }
   }
 
-  std::unique_ptr<AnyQuantized> all_;
+  AnyQuantized all_;
   Random random_{17};
 
  private:
   std::vector<Target> targets_ = TargetsUnderTest();
-  QuantizedQueries queries_;
+  std::vector<float> queries_;
   std::size_t tests_ = 0;
   std::size_t survivors_ = 0;
 };
@@ -132,11 +133,11 @@ TEST_P(QuantizedTest, Ranges) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, QuantizedTest, ::testing::ValuesIn(QuantizedRows()),
-                         QuantizedRowName);
+                         ::testing::PrintToStringParamName());
 
-// Every level of an object against every level of a query, in every plane: all
-// 65 536 pairs of one byte, and of two bytes all objects against the queries
-// where a sign or a byte changes.
+// Every level of an object against levels of a query, in every plane: all 65
+// 536 pairs of one byte, and of two bytes all objects against the queries where
+// a sign or a byte changes.
 //
 // Levels are ranks, so they are known: a map is trained from as many values as
 // it has thresholds, and then there is one level below them, and one for each.
@@ -162,36 +163,28 @@ class QuantizedPairsTest : public ::testing::TestWithParam<QuantizedRow> {
 
   // Trains from all but the one object that no threshold is for, which is then
   // put in its place.
-  std::unique_ptr<AnyQuantized> QuantizedOf(
+  std::unique_ptr<AnyOwner> QuantizedOf(
       std::size_t p, const std::vector<float>& values) const {
     const std::size_t odd = GetParam().IsMinPlane(p) ? 0 : most_;
     std::vector<float> trained = values;
     const auto at =
         trained.begin() + static_cast<std::ptrdiff_t>(odd * planes_);
     trained.erase(at, at + static_cast<std::ptrdiff_t>(planes_));
-    auto quantized = GetParam().make(trained);
-    quantized->Push(&values[most_ * planes_]);
+    auto quantized = GetParam().make_bounds(trained.data(), most_, {});
+    quantized->Push(RecordOf(&values[most_ * planes_], planes_));
     for (std::size_t i = 0; i <= most_; ++i) {
-      quantized->Set(i, &values[i * planes_]);
+      quantized->Set(i, RecordOf(&values[i * planes_], planes_));
     }
     return quantized;
   }
 
-  // Masks alone, for the other outputs are made of them.
-  ::testing::AssertionResult RejectsEverywhere(const Answers& answers,
-                                               const AnyWorld& quantized,
-                                               const AnyQueries& query) {
-    mask_.resize(answers.rejected().size());
-    for (Target target : TargetsUnderTest()) {
-      for (Schedule schedule : kSchedules) {
-        const Options options{.schedule = schedule, .target = target};
-        detail::RejectMask(quantized.Asked(query), mask_, options);
-        Differences compare(options);
-        compare.Find<std::uint64_t>("RejectMask", answers.rejected(), mask_);
-        if (!compare.first()) return compare.first();
-      }
-    }
-    return ::testing::AssertionSuccess();
+  // Survivors of a query that has a value for plane p alone.
+  std::size_t Survivors(const AnyOwner& quantized, std::size_t p, float value,
+                        Target target = {}) const {
+    std::array<float, 10> query{};
+    query[OpposingValue(GetParam().layout, p)] = value;
+    return detail::CountSurvivors(quantized.seen().Asked({query.data(), 1}),
+                                  {.target = target});
   }
 
   // All of one byte; of two bytes other ones from plane to plane, when not all
@@ -215,55 +208,34 @@ class QuantizedPairsTest : public ::testing::TestWithParam<QuantizedRow> {
   const std::size_t planes_ = GetParam().planes();
   const std::size_t most_ =
       (std::size_t{1} << (8 * GetParam().element_bytes)) - 1;
-
- private:
-  std::vector<std::uint64_t> mask_;
 };
-
-TEST_P(QuantizedPairsTest, AreComparedAsTheirLevelsAre) {
-  for (std::size_t p = 0; p < planes_; ++p) {
-    const bool is_min = GetParam().IsMinPlane(p);
-    const auto quantized = QuantizedOf(p, ObjectsOf(p));
-    std::array<float, 10> query{};
-    for (const std::uint32_t level : QueryLevels(p)) {
-      query[OpposingValue(GetParam().layout, p)] = ValueOf(level);
-      const Answers answers(most_ + 1, [&](std::size_t i) {
-        return is_min ? i > level : i < level;
-      });
-      ASSERT_TRUE(
-          RejectsEverywhere(answers, quantized->quantized(), {query.data(), 1}))
-          << "plane " << p << ", level " << level << " of the query";
-    }
-  }
-}
 
 // What lies between two thresholds has the level that its side of the test
 // gives it: of a minimum that of the threshold below, of a maximum that above.
-TEST_P(QuantizedPairsTest, BetweenThresholdsTheNextOneOutwardCounts) {
-  constexpr std::uint32_t kLevel = 100;
-  const Options options{.target = TargetsUnderTest().front()};
+TEST_P(QuantizedPairsTest, AreComparedAsTheirLevelsAre) {
   for (std::size_t p = 0; p < planes_; ++p) {
-    SCOPED_TRACE(p);
     const bool is_min = GetParam().IsMinPlane(p);
     const float outward = is_min ? 0.25f : -0.25f;
     auto values = ObjectsOf(p);
     const auto quantized = QuantizedOf(p, values);
-    std::array<float, 10> query{};
-    const auto survivors = [&](float value) {
-      query[OpposingValue(GetParam().layout, p)] = value;
-      const AnyWorld world = quantized->quantized();
-      return detail::CountSurvivors(world.Asked({query.data(), 1}), options);
-    };
+    for (const std::uint32_t level : QueryLevels(p)) {
+      const float value = ValueOf(level);
+      const std::size_t count = is_min ? level + 1 : most_ + 1 - level;
+      for (Target target : TargetsUnderTest()) {
+        for (float by : {0 * outward, outward, 3 * outward}) {
+          ASSERT_EQ(Survivors(*quantized, p, value + by, target), count)
+              << target.name() << ", plane " << p << ", level " << level
+              << " of the query and " << by;
+        }
+      }
+    }
+    constexpr std::size_t kLevel = 100;
     const float value = ValueOf(kLevel);
-    const std::size_t count = survivors(value);
-    EXPECT_EQ(count, is_min ? kLevel + 1 : most_ + 1 - kLevel);
-    EXPECT_EQ(survivors(value + outward), count);
-    EXPECT_EQ(survivors(value + 3 * outward), count);
-    EXPECT_NE(survivors(value - outward), count);
     values[kLevel * planes_ + p] = value + 3 * outward;
-    quantized->Set(kLevel, &values[kLevel * planes_]);
-    EXPECT_EQ(survivors(value), count);
-    EXPECT_NE(survivors(value - outward), count);
+    quantized->Set(kLevel, RecordOf(&values[kLevel * planes_], planes_));
+    const std::size_t count = is_min ? kLevel + 1 : most_ + 1 - kLevel;
+    EXPECT_EQ(Survivors(*quantized, p, value), count);
+    EXPECT_EQ(Survivors(*quantized, p, value - outward), count - 1);
   }
 }
 
@@ -279,14 +251,11 @@ TEST_P(QuantizedPairsTest, NanTeachesNothing) {
                                     ? static_cast<float>(i / 30 + 1)
                                     : std::numeric_limits<float>::quiet_NaN();
     }
-    const auto quantized = GetParam().make(values);
-    std::array<float, 10> query{};
+    const auto quantized = GetParam().make_bounds(values.data(), kObjects, {});
     for (std::size_t n = 0; n <= kNumbers + 1; ++n) {
-      query[OpposingValue(GetParam().layout, p)] = static_cast<float>(n);
-      const AnyWorld world = quantized->quantized();
       const std::size_t rejected = is_min ? kNumbers - std::min(n, kNumbers)
                                           : n - std::min(n, std::size_t{1});
-      EXPECT_EQ(detail::CountSurvivors(world.Asked({query.data(), 1}), {}),
+      EXPECT_EQ(Survivors(*quantized, p, static_cast<float>(n)),
                 kObjects - rejected)
           << "plane " << p << ", " << n;
     }
@@ -295,27 +264,10 @@ TEST_P(QuantizedPairsTest, NanTeachesNothing) {
 
 INSTANTIATE_TEST_SUITE_P(, QuantizedPairsTest,
                          ::testing::ValuesIn(QuantizedRows()),
-                         QuantizedRowName);
+                         ::testing::PrintToStringParamName());
 
 // What calls on quantized bounds refuse: floats that do not refine them, and
 // outputs within either. (Owners refuse in world/owner_test.cc.)
-
-template <typename View, typename Element>
-void ExpectAllRefuse(const QuantizedBounds<View, Element>& quantized,
-                     const View& floats, std::string_view argument,
-                     std::string_view expected, std::string_view given) {
-  const auto query = View::Query::Everything();
-  const AnyWorld refined(Refined(quantized, floats));
-  const auto refuses = [&](std::string_view name, const auto& call) {
-    EXPECT_TRUE(Refuses(call, {"halfspace: ", name, argument, "expected",
-                               expected, "got", given}));
-  };
-  CallOutputs outputs;
-  ForEachCall(refined, {&query, 1}, {}, outputs, refuses);
-  EXPECT_TRUE(outputs.Untouched());
-  ForEachManyCall(refined, {&query, 1}, {}, outputs, refuses);
-  EXPECT_TRUE(outputs.Untouched());
-}
 
 template <typename View, typename Element>
 void CheckRefined() {
@@ -326,8 +278,8 @@ void CheckRefined() {
   for (std::size_t size : {0u, 129u, 131u}) {
     View floats = world.view();
     floats.size = size;
-    ExpectAllRefuse(quantized, floats,
-                    "world: ", "as many floats as quantized bounds, 130",
+    ExpectAllRefuse(AnyWorld(Refined(quantized, floats)), {&query, 1}, {},
+                    "world", "as many floats as quantized bounds, 130",
                     std::to_string(size));
   }
   const auto expect_overlap = [&](const auto& any_world, const void* in) {
@@ -342,9 +294,9 @@ void CheckRefined() {
     expect_overlap(Refined(quantized, floats), PlaneOf(floats, p) + 64);
     PlaneOf(floats, p) = nullptr;
     const bool is_min = IsMinPlane<View>(p);
-    ExpectAllRefuse(quantized, floats,
+    ExpectAllRefuse(AnyWorld(Refined(quantized, floats)), {&query, 1}, {},
                     (is_min ? "world.min[" : "world.max[") +
-                        std::to_string(is_min ? p : p - kMinima<View>) + "]: ",
+                        std::to_string(is_min ? p : p - kMinima<View>) + "]",
                     "a plane of 130 floats", "a null pointer");
   }
   expect_overlap(quantized, quantized.view().planes[0]);

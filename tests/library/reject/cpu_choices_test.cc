@@ -98,7 +98,8 @@ TEST_P(CpuChoicesTest, TestLikeTheFlatKernel) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, CpuChoicesTest,
-                         ::testing::ValuesIn(WholeFlatCases()), FlatCaseName);
+                         ::testing::ValuesIn(WholeFlatCases()),
+                         ::testing::PrintToStringParamName());
 
 }  // namespace
 }  // namespace halfspace::testing

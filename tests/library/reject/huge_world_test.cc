@@ -66,10 +66,6 @@ class HugeWorldTest : public ::testing::Test {
   void SetUp() override {
     if (TestScale() < 1.0) GTEST_SKIP() << "takes seconds at full scale only";
   }
-
-  static SimplexView2 World(const Repeated<float>& plane, std::size_t size) {
-    return {{plane.data(), plane.data(), plane.data()}, size};
-  }
 };
 
 // Only counts need all of the objects, and kernels see a chunk at a time. So
@@ -117,7 +113,9 @@ class HugeRangeTest : public HugeWorldTest {
     plane_->data()[kObjects - 1] = 0.f;
   }
 
-  SimplexView2 World() const { return HugeWorldTest::World(*plane_, kObjects); }
+  SimplexView2 World(std::size_t size = kObjects) const {
+    return {{plane_->data(), plane_->data(), plane_->data()}, size};
+  }
 
   const DownSimplex2 query_{{0.f, 0.f, 0.f}};
   const std::vector<DownSimplex2> queries_ =
@@ -143,10 +141,8 @@ TEST_F(HugeRangeTest, Masks) {
 }
 
 TEST_F(HugeRangeTest, LastIndexOf32Bits) {
-  SimplexView2 world = World();
-  world.size = kTwoTo32;
   std::vector<std::uint32_t> indices(2, 7);
-  EXPECT_EQ(Survivors(world, {{1.f, 1.f, 1.f}}, indices,
+  EXPECT_EQ(Survivors(World(kTwoTo32), {{1.f, 1.f, 1.f}}, indices,
                       {.range = {kTwoTo32 - 1 - 63, kTwoTo32}}, 62),
             64u);
   EXPECT_EQ(indices[0], std::numeric_limits<std::uint32_t>::max() - 1);

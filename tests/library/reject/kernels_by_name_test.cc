@@ -6,31 +6,19 @@
 #include <cstddef>
 #include <cstdint>
 #include <random>
-#include <type_traits>
 #include <vector>
 
 #include "halfspace/kernels.h"
-#include "halfspace/targets.h"
 
 namespace halfspace::testing {
 namespace {
 
-constexpr std::size_t kObjects = 3 * 64 + 7;
-constexpr std::size_t kQueries = 3;
-constexpr std::size_t kMostPlanes = 10;
-
 template <typename T>
-struct Names {
-  const char* name;
-  void (*one)(const T* const*, std::size_t, const T*, std::uint64_t*) noexcept;
-  void (*several)(const T* const*, std::size_t, const T*, std::size_t,
-                  std::uint64_t*) noexcept;
-  typename Kernels<T>::OfBound Kernels<T>::*table;
-};
-
-template <typename T>
-void CheckNames(const std::vector<Names<T>>& all) {
-  using K = Kernels<T>;
+void ExpectSame(const typename Kernels<T>::OfBound& by_name,
+                const typename Kernels<T>::OfBound& in_table) {
+  constexpr std::size_t kObjects = 3 * 64 + 7;
+  constexpr std::size_t kQueries = 3;
+  constexpr std::size_t kMostPlanes = 10;
   std::mt19937 random(1);
   std::uniform_real_distribution<T> value(0, 1);
   std::vector<T> values(kMostPlanes * kObjects);
@@ -41,65 +29,49 @@ void CheckNames(const std::vector<Names<T>>& all) {
   }
   std::vector<T> queries(kQueries * kMostPlanes);
   for (T& v : queries) v = T{0.5} + value(random) / 4;
-
-  constexpr std::size_t kWords = (kObjects + 63) / 64;
-  std::vector<std::vector<std::uint64_t>> seen;
-  for (const Names<T>& names : all) {
-    SCOPED_TRACE(names.name);
-    const auto& table = KernelsOf<T>(ChosenTarget()).*names.table;
-    ASSERT_NE(table.one, nullptr);
-    std::vector<std::uint64_t> expected(kQueries * kWords);
-    std::vector<std::uint64_t> mask(kWords);
-    std::vector<std::uint64_t> masks(kQueries * kWords);
-    table.several(planes.data(), kObjects, queries.data(), kQueries,
-                  expected.data());
-    names.several(planes.data(), kObjects, queries.data(), kQueries,
-                  masks.data());
-    EXPECT_EQ(masks, expected);
-    names.one(planes.data(), kObjects, queries.data(), mask.data());
-    expected.resize(kWords);
-    EXPECT_EQ(mask, expected);
-    // An octahedron of 2 dimensions has the planes of a box of 3, and so on.
-    if constexpr (std::is_same_v<T, float>) {
-      if (names.table == &K::octahedra2 || names.table == &K::octahedra3)
-        continue;
-    }
-    for (const auto& other : seen) EXPECT_NE(mask, other);
-    seen.push_back(mask);
-  }
+  using Masks = std::array<std::uint64_t, kQueries*(kObjects / 64 + 1)>;
+  const auto masks_of = [&](const auto& functions) {
+    Masks masks{};
+    functions.several(planes.data(), kObjects, queries.data(), kQueries,
+                      masks.data());
+    return masks;
+  };
+  const auto mask_of = [&](const auto& functions) {
+    Masks mask{};
+    functions.one(planes.data(), kObjects, queries.data(), mask.data());
+    return mask;
+  };
+  EXPECT_EQ(masks_of(by_name), masks_of(in_table));
+  EXPECT_EQ(mask_of(by_name), mask_of(in_table));
 }
 
 TEST(KernelsByName, OfFloats) {
-  using K = Kernels<float>;
-  CheckNames<float>({
-    {"boxes3", &SurvivorsOfBoxes3, &SurvivorsOfBoxes3, &K::boxes3},
-        {"simplices3", &SurvivorsOfSimplices3, &SurvivorsOfSimplices3,
-         &K::simplices3},
-        {"octahedra3", &SurvivorsOfOctahedra3, &SurvivorsOfOctahedra3,
-         &K::octahedra3},
+  const auto& table = KernelsOf<float>();
+  ExpectSame<float>({&SurvivorsOfBoxes3, &SurvivorsOfBoxes3}, table.boxes3);
+  ExpectSame<float>({&SurvivorsOfSimplices3, &SurvivorsOfSimplices3},
+                    table.simplices3);
+  ExpectSame<float>({&SurvivorsOfOctahedra3, &SurvivorsOfOctahedra3},
+                    table.octahedra3);
 #if !defined(HALFSPACE_TEST_ONLY_3D)  // which a library of 3D alone lacks
-        {"boxes2", &SurvivorsOfBoxes2, &SurvivorsOfBoxes2, &K::boxes2},
-        {"boxes4", &SurvivorsOfBoxes4, &SurvivorsOfBoxes4, &K::boxes4},
-        {"simplices2", &SurvivorsOfSimplices2, &SurvivorsOfSimplices2,
-         &K::simplices2},
-        {"simplices4", &SurvivorsOfSimplices4, &SurvivorsOfSimplices4,
-         &K::simplices4},
-        {"octahedra2", &SurvivorsOfOctahedra2, &SurvivorsOfOctahedra2,
-         &K::octahedra2},
-        {"octahedra4", &SurvivorsOfOctahedra4, &SurvivorsOfOctahedra4,
-         &K::octahedra4},
+  ExpectSame<float>({&SurvivorsOfBoxes2, &SurvivorsOfBoxes2}, table.boxes2);
+  ExpectSame<float>({&SurvivorsOfBoxes4, &SurvivorsOfBoxes4}, table.boxes4);
+  ExpectSame<float>({&SurvivorsOfSimplices2, &SurvivorsOfSimplices2},
+                    table.simplices2);
+  ExpectSame<float>({&SurvivorsOfSimplices4, &SurvivorsOfSimplices4},
+                    table.simplices4);
+  ExpectSame<float>({&SurvivorsOfOctahedra2, &SurvivorsOfOctahedra2},
+                    table.octahedra2);
+  ExpectSame<float>({&SurvivorsOfOctahedra4, &SurvivorsOfOctahedra4},
+                    table.octahedra4);
 #endif
-  });
 }
 TEST(KernelsByName, OfDoubles) {
-  using K = Kernels<double>;
-  CheckNames<double>({
-    {"boxes3", &SurvivorsOfBoxes3, &SurvivorsOfBoxes3, &K::boxes3},
+  const auto& table = KernelsOf<double>();
+  ExpectSame<double>({&SurvivorsOfBoxes3, &SurvivorsOfBoxes3}, table.boxes3);
 #if !defined(HALFSPACE_TEST_ONLY_3D)
-        {"boxes2", &SurvivorsOfBoxes2, &SurvivorsOfBoxes2, &K::boxes2},
-        {"boxes4", &SurvivorsOfBoxes4, &SurvivorsOfBoxes4, &K::boxes4},
+  ExpectSame<double>({&SurvivorsOfBoxes2, &SurvivorsOfBoxes2}, table.boxes2);
+  ExpectSame<double>({&SurvivorsOfBoxes4, &SurvivorsOfBoxes4}, table.boxes4);
 #endif
-  });
 }
 
 TEST(KernelsByName, NothingIsWrittenWithoutObjectsOrQueries) {

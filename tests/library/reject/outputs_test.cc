@@ -17,7 +17,6 @@
 
 #include "halfspace/halfspace.h"
 #include "tests/library/support/answers.h"
-#include "tests/library/support/calls.h"
 #include "tests/library/support/canaries.h"
 #include "tests/library/support/environment.h"
 
@@ -63,11 +62,12 @@ TEST_P(OutputsTest, ListsHaveWhatFitsFromWhereTheySkip) {
   const QuantizedWorld<AabbView3> quantized(floats);
   const std::vector<Aabb3> queries = LongerAndLonger(20);
   const AnyQueries asked(queries.data(), queries.size());
-  Canaried<std::uint32_t> first_list;
-  Canaried<std::uint32_t> second_list;
-  // list(first, second, skip) is a call; `all` is what it writes at most.
-  const auto check = [&](const auto& list,
-                         const std::array<std::vector<std::uint32_t>, 2>& all) {
+  Canaried<std::uint32_t> memory[2];
+  // list(outputs, skip) is a call that writes one list or two; `all` is what it
+  // writes at most.
+  using Lists = std::vector<std::vector<std::uint32_t>>;
+  using Spans = std::array<std::span<std::uint32_t>, 2>;
+  const auto check = [&](const auto& list, const Lists& all) {
     const std::size_t count = all[0].size();
     for (std::size_t skip :
          {std::size_t{0}, std::size_t{1}, count / 2, count, ~std::size_t{0}}) {
@@ -76,50 +76,43 @@ TEST_P(OutputsTest, ListsHaveWhatFitsFromWhereTheySkip) {
           0, 1, left / 2, left == 0 ? 0 : left - 1, left, left + 70};
       for (std::size_t first : lengths) {
         for (std::size_t second : {first, left / 3, left + 1}) {
-          const auto out = first_list.Reset(first);
-          const auto other = second_list.Reset(second);
-          ASSERT_EQ(list(out, other, skip), count);
+          const Spans out = {memory[0].Reset(first), memory[1].Reset(second)};
+          ASSERT_EQ(list(out, skip), count);
           const std::size_t written =
-              std::min({left, first, all[1].empty() ? first : second});
-          const auto from = static_cast<std::ptrdiff_t>(count - left);
-          ASSERT_TRUE(std::equal(
-              out.begin(), out.begin() + static_cast<std::ptrdiff_t>(written),
-              all[0].begin() + from))
-              << skip << ", " << first << ", " << second;
-          ASSERT_TRUE(first_list.IntactBut(written)) << skip << ", " << first;
-          if (all[1].empty()) break;
-          ASSERT_TRUE(
-              std::equal(other.begin(),
-                         other.begin() + static_cast<std::ptrdiff_t>(written),
-                         all[1].begin() + from))
-              << skip << ", " << first << ", " << second;
-          ASSERT_TRUE(second_list.IntactBut(written)) << skip << ", " << second;
+              std::min({left, first, all.size() == 1 ? first : second});
+          for (std::size_t l = 0; l < all.size(); ++l) {
+            const std::span expected = std::span(all[l]).last(left);
+            ASSERT_TRUE(std::equal(expected.begin(),
+                                   expected.begin() +
+                                       static_cast<std::ptrdiff_t>(written),
+                                   out[l].begin()) &&
+                        memory[l].IntactBut(written))
+                << skip << ", " << first << ", " << second;
+          }
+          if (all.size() == 1) break;
         }
       }
     }
   };
   Everywhere([&](const Options& options) {
     for (const AnyWorld& world : {AnyWorld(floats), AnyWorld(quantized)}) {
-      const auto survivors = [&](Span<std::uint32_t> out, Span<std::uint32_t>,
-                                 std::size_t skip) {
-        return detail::Survivors(world.Asked(world.One(asked)), out, options,
+      const auto survivors = [&](const Spans& out, std::size_t skip) {
+        return detail::Survivors(world.Asked(world.One(asked)), out[0], options,
                                  skip);
       };
-      std::vector<std::uint32_t> all;
+      Lists all(1);
       for (std::uint32_t i = 0; i < world.size(); ++i) {
-        if (i % 3 != 0) all.push_back(i);
+        if (i % 3 != 0) all[0].push_back(i);
       }
-      check(survivors, {all, {}});
-      const auto pairs = [&](Span<std::uint32_t> of_queries,
-                             Span<std::uint32_t> of_objects, std::size_t skip) {
-        return detail::SurvivorPairs(world.Asked(asked), of_queries, of_objects,
+      check(survivors, all);
+      const auto pairs = [&](const Spans& out, std::size_t skip) {
+        return detail::SurvivorPairs(world.Asked(asked), out[0], out[1],
                                      options, skip);
       };
-      std::array<std::vector<std::uint32_t>, 2> all_pairs;
-      for (auto& list : all_pairs) list.resize(20 * world.size());
-      const std::size_t count = pairs(all_pairs[0], all_pairs[1], 0);
-      for (auto& list : all_pairs) list.resize(count);
-      if (count != 0) check(pairs, all_pairs);
+      all.assign(2, std::vector<std::uint32_t>(20 * world.size()));
+      const std::size_t count = pairs({all[0], all[1]}, 0);
+      for (auto& list : all) list.resize(count);
+      if (count != 0) check(pairs, all);
     }
   });
 }
@@ -148,29 +141,6 @@ TEST(ManyOutputsTest, CountsOfNothingAreZero) {
   counts.assign(3, 7);
   SurvivorCounts(PointsOnX(100), queries, counts, {.range = {64, 64}});
   EXPECT_EQ(counts, std::vector<std::size_t>(3));
-}
-
-TEST(ManyOutputsTest, NothingNeedsNoMemoryAndHasATarget) {
-  const AabbWorld3 world = PointsOnX(10000);
-  const std::vector<Aabb3> queries = LongerAndLonger(300);
-  const AabbView3 empty;
-  CallOutputs outputs;
-  Everywhere([&](const Options& options) {
-    // No outputs at all.
-    RejectMasks(world, {}, {}, options);
-    SurvivorMasks(world, {}, {}, options);
-    EXPECT_EQ(SurvivorPairs(world, {}, {}, {}, options), 0u);
-    SurvivorCounts(world, {}, {}, options);
-    RejectMasks(empty, queries, {}, options);
-    SurvivorMasks(empty, queries, {}, options);
-    EXPECT_EQ(SurvivorPairs(empty, queries, {}, {}, options), 0u);
-    // Outputs that are left alone.
-    const auto ask = [](std::string_view, const auto& call) { call(); };
-    ForEachManyCall(world, {}, options, outputs, ask);
-    EXPECT_TRUE(outputs.Untouched());
-    ForEachManyCall(empty, {}, options, outputs, ask);
-    EXPECT_TRUE(outputs.Untouched());
-  });
 }
 
 TEST(MaskWordsTest, RoundsUpWithoutOverflow) {
@@ -226,37 +196,30 @@ TEST(ForEachSurvivorTest, CallsUntilItIsStopped) {
       std::runtime_error);
 }
 
-std::size_t seen_by_function = 0;
-void Function(const SurvivorTile& tile) { seen_by_function += tile.queries; }
+std::size_t seen_queries = 0;
+void Function(const SurvivorTile& tile) { seen_queries += tile.queries; }
 
 TEST(ForEachTileTest, TakesAnythingThatTakesATile) {
   const AabbWorld3 world = PointsOnX(100);
   const std::vector<Aabb3> queries = LongerAndLonger(3);
-  seen_by_function = 0;
-  ForEachTile(world, queries, Function);
-  EXPECT_EQ(seen_by_function, 3u);
-  ForEachTile(world, queries, &Function);
-  EXPECT_EQ(seen_by_function, 6u);
-
-  std::size_t seen = 0;
-  const auto add = [&seen](const SurvivorTile& tile) { seen += tile.queries; };
-  ForEachTile(world, queries, add);
-  EXPECT_EQ(seen, 3u);
-  ForEachTile(world, queries, std::function<void(SurvivorTile)>(add));
-  EXPECT_EQ(seen, 6u);
+  const auto expect_seen = [&](auto&& function) {
+    seen_queries = 0;
+    ForEachTile(world, queries, std::forward<decltype(function)>(function));
+    EXPECT_EQ(seen_queries, 3u);
+  };
+  expect_seen(Function);
+  expect_seen(&Function);
+  expect_seen(std::function<void(SurvivorTile)>(Function));
+  expect_seen([p = std::make_unique<int>(3)](const SurvivorTile& tile) {
+    seen_queries += tile.queries == 3 ? static_cast<std::size_t>(*p) : 0;
+  });
   // With a state of its own, which is not copied.
-  auto counter = [&seen,
-                  count = std::size_t{0}](const SurvivorTile& tile) mutable {
-    count += tile.queries;
-    seen = count;
+  auto counter = [count = std::size_t{0}](const SurvivorTile& tile) mutable {
+    seen_queries = count += tile.queries;
   };
-  ForEachTile(world, queries, counter);
+  expect_seen(counter);
   counter(SurvivorTile{});
-  EXPECT_EQ(seen, 3u);
-  auto owner = [p = std::make_unique<int>(3)](const SurvivorTile& tile) {
-    EXPECT_EQ(tile.queries, static_cast<std::size_t>(*p));
-  };
-  ForEachTile(world, queries, std::move(owner));
+  EXPECT_EQ(seen_queries, 3u);
 }
 
 TEST(ForEachTileTest, EndsWhenItIsStoppedOrThrows) {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/library/support/canaries.h"
+#include "tests/library/support/calls.h"
 #include "tests/library/support/target_that_runs.h"
 
 namespace halfspace::testing {
@@ -108,37 +108,6 @@ void CompareTiles(const Answers& answers, const AnyWorld& world,
                     std::vector<int>(rows.size(), 1), times);
 }
 
-// Outputs with more room than is needed, that notice a write into it and around
-// it.
-class CanariedOutputs {
- public:
-  Outputs For(const Answers& answers) {
-    constexpr std::size_t kMore = 5;
-    needed_words_ = answers.rejected().size();
-    needed_pairs_ = answers.survivors().size();
-    queries_count_ = answers.queries();
-    return {words_.Reset(needed_words_ + kMore),
-            objects_.Reset(needed_pairs_ + kMore),
-            queries_.Reset(needed_pairs_ + kMore),
-            counts_.Reset(queries_count_ + kMore)};
-  }
-  bool Intact() const {
-    return words_.IntactBut(needed_words_) &&
-           objects_.IntactBut(needed_pairs_) &&
-           queries_.IntactBut(needed_pairs_) &&
-           counts_.IntactBut(queries_count_);
-  }
-
- private:
-  std::size_t needed_words_ = 0;
-  std::size_t needed_pairs_ = 0;
-  std::size_t queries_count_ = 0;
-  Canaried<std::uint64_t> words_;
-  Canaried<std::uint32_t> objects_;
-  Canaried<std::uint32_t> queries_;
-  Canaried<std::size_t> counts_;
-};
-
 }  // namespace
 
 Answers Answers::OfReference(const AnyWorld& world, const AnyQueries& queries,
@@ -202,29 +171,25 @@ Answers Answers::OfCall(const AnyWorld& world, const AnyQueries& queries,
 ::testing::AssertionResult AnswersEverywhere(
     const Answers& answers, const AnyWorld& world, const AnyQueries& queries,
     std::span<const Target> targets, std::span<const Schedule> schedules) {
-  thread_local CanariedOutputs outputs;
+  // Outputs with more room than is needed, that notice a write into it.
+  constexpr std::size_t kMore = 5;
+  thread_local CallOutputs memory;
+  const std::size_t words = answers.rejected().size();
+  const std::size_t pairs = answers.survivors().size();
   for (Target target : targets) {
     for (Schedule schedule : schedules) {
       const Options options{
           .schedule = schedule, .target = target, .range = answers.range()};
-      auto result =
-          CallsAnswer(answers, world, queries, options, outputs.For(answers));
+      const Outputs outputs = {memory.words.Reset(words + kMore),
+                               memory.indices.Reset(pairs + kMore),
+                               memory.query_indices.Reset(pairs + kMore),
+                               memory.counts.Reset(answers.queries() + kMore)};
+      auto result = CallsAnswer(answers, world, queries, options, outputs);
       if (!result) return result;
-      if (!outputs.Intact()) {
+      if (!memory.IntactBut(words, pairs, answers.queries())) {
         return Differences(options).Say("a call") << "wrote past its output";
       }
     }
-  }
-  return ::testing::AssertionSuccess();
-}
-
-::testing::AssertionResult KeepsAllOf(const Answers& exact,
-                                      const Answers& of_quantized) {
-  for (std::size_t w = 0; w < exact.survived().size(); ++w) {
-    if ((exact.survived()[w] & of_quantized.rejected()[w]) == 0) continue;
-    return ::testing::AssertionFailure()
-           << "quantized bounds reject an object of word " << w
-           << ", which floats keep";
   }
   return ::testing::AssertionSuccess();
 }
@@ -234,10 +199,13 @@ Answers Answers::OfCall(const AnyWorld& world, const AnyQueries& queries,
     const AnyQueries& queries, std::span<const Target> targets) {
   const Answers of_quantized =
       Answers::OfCall(quantized, queries, targets[0], exact.range());
-  auto result = KeepsAllOf(exact, of_quantized);
-  if (result) {
-    result = AnswersEverywhere(of_quantized, quantized, queries, targets);
+  for (std::size_t w = 0; w < exact.survived().size(); ++w) {
+    if ((exact.survived()[w] & of_quantized.rejected()[w]) == 0) continue;
+    return ::testing::AssertionFailure()
+           << "quantized bounds reject an object of word " << w
+           << ", which floats keep";
   }
+  auto result = AnswersEverywhere(of_quantized, quantized, queries, targets);
   if (!result) return result << " (quantized alone)";
   result = AnswersEverywhere(exact, refined, queries, targets);
   if (!result) return result << " (refined)";

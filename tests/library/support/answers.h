@@ -151,10 +151,6 @@ class Differences {
     std::span<const Target> targets,
     std::span<const Schedule> schedules = kSchedules);
 
-// Whatever survives in `exact` survives in `of_quantized` too.
-::testing::AssertionResult KeepsAllOf(const Answers& exact,
-                                      const Answers& of_quantized);
-
 // Quantized bounds alone keep what floats keep, and all calls agree on what
 // that is; refined, they are the floats' answers. Everywhere.
 ::testing::AssertionResult QuantizedAnswersEverywhere(

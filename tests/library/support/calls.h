@@ -3,6 +3,8 @@
 #ifndef HALFSPACE_TESTS_LIBRARY_SUPPORT_CALLS_H_
 #define HALFSPACE_TESTS_LIBRARY_SUPPORT_CALLS_H_
 
+#include <gtest/gtest.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -13,6 +15,7 @@
 #include "halfspace/reject_many.h"
 #include "tests/library/support/any_world.h"
 #include "tests/library/support/canaries.h"
+#include "tests/library/support/expect_invalid.h"
 
 namespace halfspace::testing {
 
@@ -27,10 +30,13 @@ struct CallOutputs {
   Canaried<std::size_t> counts;
   std::size_t passed = 0;
 
-  bool Untouched() const {
-    return words.IntactBut(0) && indices.IntactBut(0) &&
-           query_indices.IntactBut(0) && counts.IntactBut(0) && passed == 0;
+  // Only so many of each were written.
+  bool IntactBut(std::size_t used_words, std::size_t pairs,
+                 std::size_t used_counts) const {
+    return words.IntactBut(used_words) && indices.IntactBut(pairs) &&
+           query_indices.IntactBut(pairs) && counts.IntactBut(used_counts);
   }
+  bool Untouched() const { return IntactBut(0, 0, 0) && passed == 0; }
 };
 
 using NamedCall =
@@ -95,13 +101,22 @@ inline void ForEachManyCall(const AnyWorld& world, const AnyQueries& queries,
     detail::ForEachTile(asked(), &decltype(call)::Run, &call, options);
   });
 }
-template <typename World>
-void ForEachManyCall(const World& world,
-                     std::span<const typename World::Query> queries,
-                     const Options& options, CallOutputs& outputs,
-                     const NamedCall& visit) {
-  ForEachManyCall(AnyWorld(world), AnyQueries(queries), options, outputs,
-                  visit);
+// Each call refuses, also those of one query, in its own name, and writes
+// nothing.
+inline void ExpectAllRefuse(const AnyWorld& world, const AnyQueries& queries,
+                            const Options& options, std::string_view argument,
+                            std::string_view expected, std::string_view given) {
+  CallOutputs outputs;
+  const auto check = [&](std::string_view name, const auto& call) {
+    EXPECT_TRUE(Refuses(call, {"halfspace: ", name, ": ", argument,
+                               ": expected", expected, "got", given}));
+  };
+  if (queries.count != 0) {
+    ForEachCall(world, world.One(queries), options, outputs, check);
+    EXPECT_TRUE(outputs.Untouched());
+  }
+  ForEachManyCall(world, queries, options, outputs, check);
+  EXPECT_TRUE(outputs.Untouched());
 }
 
 }  // namespace halfspace::testing

@@ -17,10 +17,6 @@
 namespace halfspace::testing {
 
 template <typename T>
-concept HasMinima = requires(T value) {
-  value.min;
-};
-template <typename T>
 concept HasMaxima = requires(T value) {
   value.max;
 };
@@ -140,13 +136,6 @@ constexpr bool kTestsOnly3d = true;
 #else
 constexpr bool kTestsOnly3d = false;
 #endif
-
-struct CaseNames {
-  template <typename Case>
-  static std::string GetName(int) {
-    return NameOf(Case());
-  }
-};
 
 template <int... kDims>
 using CasesOf =

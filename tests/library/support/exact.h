@@ -7,19 +7,12 @@
 
 #include <cmath>
 #include <limits>
-#include <span>
 #include <utility>
 
 namespace halfspace::testing {
 
 // The exact value of a finite float or double.
 inline mpq_class Exact(double value) { return mpq_class(value); }
-
-inline mpq_class ExactSumOf(std::span<const float> values) {
-  mpq_class sum = 0;
-  for (float value : values) sum += Exact(value);
-  return sum;
-}
 
 // The sign of rational + root * sqrt(n), without irrational numbers: of two
 // terms that pull apart, the one with the greater square wins.
@@ -84,16 +77,6 @@ inline ::testing::AssertionResult IsBelow(float bound, const ExactValue& exact,
 inline ::testing::AssertionResult IsAbove(float bound, const ExactValue& exact,
                                           int loose, double slack = 0.0) {
   return IsBelow(-bound, -exact, loose, slack) << " (everything negated)";
-}
-
-inline ::testing::AssertionResult IsTightestBelow(float bound,
-                                                  const ExactValue& exact) {
-  return IsBelow(bound, exact, 0);
-}
-
-inline ::testing::AssertionResult IsTightestAbove(float bound,
-                                                  const ExactValue& exact) {
-  return IsAbove(bound, exact, 0);
 }
 
 }  // namespace halfspace::testing

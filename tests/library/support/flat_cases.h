@@ -72,11 +72,6 @@ std::vector<FlatCase> AllFlatRows();
   return rows;
 }
 
-inline std::string FlatCaseName(
-    const ::testing::TestParamInfo<FlatCase>& info) {
-  return info.param.name;
-}
-
 // The planes of a world, and a query.
 class FlatInput {
  public:

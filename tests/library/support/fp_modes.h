@@ -13,91 +13,74 @@
 
 namespace halfspace::testing {
 
+namespace internal {
+
+// The register of the modes: which bits flush subnormals, and which of them are
+// set or not so that every exception of <cfenv>, and a subnormal operand, is a
+// SIGFPE. (Those that say what was raised are not.)
+#if defined(__SSE2__)
+using FpBits = unsigned;
+inline FpBits ReadFpBits() { return _mm_getcsr(); }
+inline void WriteFpBits(FpBits bits) { _mm_setcsr(bits); }
+inline constexpr FpBits kFlush = 0x8040;
+inline constexpr FpBits kTrap = 0;
+inline constexpr FpBits kNoTrap = 0x1fbf;
+#elif defined(__aarch64__)
+using FpBits = std::uint64_t;
+inline FpBits ReadFpBits() {
+  FpBits bits;
+  asm volatile("mrs %0, fpcr" : "=r"(bits));
+  return bits;
+}
+inline void WriteFpBits(FpBits bits) {
+  asm volatile("msr fpcr, %0" : : "r"(bits) : "memory");
+}
+inline constexpr FpBits kFlush = FpBits{1} << 24;
+inline constexpr FpBits kTrap = 0x9f00;
+inline constexpr FpBits kNoTrap = 0;
+#else
+using FpBits = unsigned;
+inline FpBits ReadFpBits() { return 0; }
+inline void WriteFpBits(FpBits) {}
+inline constexpr FpBits kFlush = 0;
+inline constexpr FpBits kTrap = 0;
+inline constexpr FpBits kNoTrap = 0;
+#endif
+
+class FpScope {
+ public:
+  explicit FpScope(FpBits set, FpBits clear = 0) {
+    WriteFpBits((saved_ | set) & ~clear);
+    given_ = ReadFpBits();
+  }
+  FpScope(const FpScope&) = delete;
+  FpScope& operator=(const FpScope&) = delete;
+  ~FpScope() { WriteFpBits(saved_); }
+
+  // Of the bits, as many as the machine has are as they were set.
+  bool IsUntouched() const { return ReadFpBits() == given_; }
+
+ private:
+  FpBits saved_ = ReadFpBits();
+  FpBits given_ = 0;
+};
+
+}  // namespace internal
+
 // Subnormal floats are flushed to zero, as inputs and as results. Programs can
 // run so without asking: a library that was linked with fast-math switches it
 // on for the whole process.
-class FlushDenormals {
+class FlushDenormals : public internal::FpScope {
  public:
+  static constexpr bool kAvailable = internal::kFlush != 0;
+  FlushDenormals() : FpScope(internal::kFlush) {}
+
   // By what it does: half of the smallest normal is subnormal.
   static bool IsOn() {
     volatile float smallest_normal = 0x1p-126f;
     volatile float half = smallest_normal * 0.5f;
     return half == 0.f;
   }
-
-#if defined(__SSE2__)
-  static constexpr bool kAvailable = true;
-  FlushDenormals() { _mm_setcsr(saved_ | kFlushResults | kFlushInputs); }
-  ~FlushDenormals() { _mm_setcsr(saved_); }
-
- private:
-  static constexpr unsigned kFlushResults = 0x8000;
-  static constexpr unsigned kFlushInputs = 0x0040;
-  unsigned saved_ = _mm_getcsr();
-#elif defined(__aarch64__)
-  static constexpr bool kAvailable = true;
-  FlushDenormals() {
-    asm volatile("mrs %0, fpcr" : "=r"(saved_));
-    const std::uint64_t flushing = saved_ | kFlush;
-    asm volatile("msr fpcr, %0" : : "r"(flushing) : "memory");
-  }
-  ~FlushDenormals() { asm volatile("msr fpcr, %0" : : "r"(saved_) : "memory"); }
-
- private:
-  static constexpr std::uint64_t kFlush = std::uint64_t{1} << 24;
-  std::uint64_t saved_ = 0;
-#else
-  static constexpr bool kAvailable = false;
-  FlushDenormals() = default;
-#endif
-
- public:
-  FlushDenormals(const FlushDenormals&) = delete;
-  FlushDenormals& operator=(const FlushDenormals&) = delete;
-};
-
-// Every exception of <cfenv>, and a subnormal operand, is a SIGFPE; none has
-// been raised yet.
-class TrapExceptions {
- public:
-#if defined(__SSE2__)
-  TrapExceptions() { _mm_setcsr(saved_ & ~(kMasks | kRaised)); }
-  ~TrapExceptions() { _mm_setcsr(saved_); }
-
-  // On, and nothing raised.
-  static bool IsUntouched() { return (_mm_getcsr() & (kMasks | kRaised)) == 0; }
-
- private:
-  static constexpr unsigned kMasks = 0x1f80;
-  static constexpr unsigned kRaised = 0x003f;
-  unsigned saved_ = _mm_getcsr();
-#elif defined(__aarch64__)
-  TrapExceptions() {
-    asm volatile("mrs %0, fpcr" : "=r"(saved_));
-    asm volatile("msr fpcr, %0" : : "r"(saved_ | kTraps) : "memory");
-    asm volatile("mrs %0, fpcr" : "=r"(given_));
-  }
-  ~TrapExceptions() { asm volatile("msr fpcr, %0" : : "r"(saved_) : "memory"); }
-
-  // As many as the machine has are on.
-  bool IsUntouched() const {
-    std::uint64_t now;
-    asm volatile("mrs %0, fpcr" : "=r"(now));
-    return now == given_;
-  }
-
- private:
-  static constexpr std::uint64_t kTraps = 0x9f00;
-  std::uint64_t saved_ = 0;
-  std::uint64_t given_ = 0;
-#else
-  TrapExceptions() = default;
-  static bool IsUntouched() { return true; }
-#endif
-
- public:
-  TrapExceptions(const TrapExceptions&) = delete;
-  TrapExceptions& operator=(const TrapExceptions&) = delete;
 };
 
 // Results are rounded as one of <cfenv>'s modes says.
@@ -124,23 +107,25 @@ template <typename Call>
 void RunIn(FpMode mode, const Call& call) {
   bool is_left = false;
   if (mode == FpMode::kTraps) {
-    const TrapExceptions traps;
-    const bool was_untouched = traps.IsUntouched();
+    const internal::FpScope traps(internal::kTrap, internal::kNoTrap);
     call();
-    is_left = traps.IsUntouched() == was_untouched;
+    is_left = traps.IsUntouched();
   } else if (mode == FpMode::kFlushes) {
     const FlushDenormals flush;
     const bool was_on = FlushDenormals::IsOn();
     call();
     is_left = FlushDenormals::IsOn() == was_on;
   } else {
-    const int rounding = mode == FpMode::kUpward     ? FE_UPWARD
-                         : mode == FpMode::kDownward ? FE_DOWNWARD
-                         : mode == FpMode::kToZero   ? FE_TOWARDZERO
-                                                     : FE_TONEAREST;
+    int rounding = FE_TONEAREST;
+#if defined(FE_UPWARD)  // not in WebAssembly
+    if (mode == FpMode::kUpward) rounding = FE_UPWARD;
+    if (mode == FpMode::kDownward) rounding = FE_DOWNWARD;
+    if (mode == FpMode::kToZero) rounding = FE_TOWARDZERO;
+#endif
     const RoundingMode scope(rounding);
+    const int given = std::fegetround();
     call();
-    is_left = std::fegetround() == rounding;
+    is_left = std::fegetround() == given;
   }
   EXPECT_TRUE(is_left) << "the call changed mode " << static_cast<int>(mode);
 }

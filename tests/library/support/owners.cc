@@ -2,13 +2,13 @@
 
 #include <cstdint>
 #include <cstring>
+#include <string>
 #include <type_traits>
 #include <utility>
 
 #include "halfspace/quantized.h"
 #include "halfspace/world.h"
 #include "tests/library/support/cases.h"
-#include "tests/library/support/quantized_cases.h"
 
 namespace halfspace::testing {
 namespace {
@@ -168,37 +168,39 @@ using WorldCases =
     std::conditional_t<kTestsOnly3d, With3d<>,
                        With3d<Whole<AabbView2>, Whole<AaboView4>>>;
 
-template <typename View, typename Owner>
-OwnerRow RowOf(std::string name, std::string type) {
-  return {std::move(name),
-          std::move(type),
-          detail::kLayoutOf<typename View::Bound>,
-          std::is_same_v<ScalarOf<View>, double>,
-          &OwnerOf<Owner>::Make,
-          &OwnerOf<World<View>>::Make};
-}
-
 template <typename... Cases>
 void AddWorlds(std::vector<OwnerRow>& rows, const ::testing::Types<Cases...>&) {
-  (rows.push_back(RowOf<typename Cases::View, World<typename Cases::View>>(
-       "World" + NameOf(Cases()), "World")),
+  (rows.push_back({"World" + NameOf(Cases()), "World",
+                   detail::kLayoutOf<typename Cases::View::Bound>,
+                   std::is_same_v<ScalarOf<typename Cases::View>, double>,
+                   &OwnerOf<World<typename Cases::View>>::Make,
+                   &OwnerOf<World<typename Cases::View>>::Make}),
    ...);
 }
 
-template <typename... Cases>
-void AddQuantized(std::vector<OwnerRow>& rows,
-                  const ::testing::Types<Cases...>&) {
-  (rows.push_back(
-       RowOf<typename Cases::View,
-             QuantizedBounds<typename Cases::View, typename Cases::Element>>(
-           "Bounds" + QuantizedCaseNames::GetName<Cases>(0),
-           "QuantizedBounds")),
-   ...);
-  (rows.push_back(
-       RowOf<typename Cases::View,
-             QuantizedWorld<typename Cases::View, typename Cases::Element>>(
-           "World" + QuantizedCaseNames::GetName<Cases>(0), "QuantizedWorld")),
-   ...);
+// Quantized bounds of one and of two bytes.
+template <typename View>
+void AddQuantized(std::vector<QuantizedRow>& rows, const View&) {
+  const auto add = [&](auto element) {
+    using Element = decltype(element);
+    rows.push_back(
+        {NameOf(Whole<View>()) + "Uint" + std::to_string(8 * sizeof(element)),
+         detail::kLayoutOf<typename View::Bound>, sizeof(element),
+         &OwnerOf<World<View>>::Make,
+         &OwnerOf<QuantizedBounds<View, Element>>::Make,
+         &OwnerOf<QuantizedWorld<View, Element>>::Make});
+  };
+  add(std::uint8_t{});
+  add(std::uint16_t{});
+}
+
+template <int... kDims>
+std::vector<QuantizedRow> QuantizedRowsOf() {
+  std::vector<QuantizedRow> rows;
+  (AddQuantized(rows, SimplexView<kDims>()), ...);
+  (AddQuantized(rows, AabbView<kDims>()), ...);
+  (AddQuantized(rows, AaboView<kDims>()), ...);
+  return rows;
 }
 
 }  // namespace
@@ -215,8 +217,25 @@ std::vector<std::byte> OwnerRow::List(const Records& bounds) const {
 std::vector<OwnerRow> OwnerRows() {
   std::vector<OwnerRow> rows;
   AddWorlds(rows, WorldCases());
-  AddQuantized(rows, FewQuantizedCases());
+  // What is the same code for all shapes: one of each, and both sizes.
+  for (const QuantizedRow& row : AllQuantizedRows()) {
+    if (row.name == "Simplex3Uint8" || row.name == "Aabb3Uint16" ||
+        row.name.starts_with("Aabo3")) {
+      rows.push_back({"Bounds" + row.name, "QuantizedBounds", row.layout, false,
+                      row.make_bounds, row.make_floats});
+      rows.push_back({"World" + row.name, "QuantizedWorld", row.layout, false,
+                      row.make_world, row.make_floats});
+    }
+  }
   return rows;
+}
+
+std::vector<QuantizedRow> AllQuantizedRows() {
+#if defined(HALFSPACE_TEST_ONLY_3D)
+  return QuantizedRowsOf<3>();
+#else
+  return QuantizedRowsOf<2, 3, 4>();
+#endif
 }
 
 }  // namespace halfspace::testing

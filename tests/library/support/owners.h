@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstring>
 #include <memory>
 #include <ostream>
 #include <string>
@@ -15,11 +16,19 @@
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/memory.h"
 #include "tests/library/support/any_world.h"
+#include "tests/library/support/dims.h"
 
 namespace halfspace::testing {
 
 using Record = std::array<std::byte, 80>;  // as many bytes as a bound has
 using Records = std::vector<Record>;
+
+template <typename T>
+Record RecordOf(const T* values, std::size_t count) {
+  Record record{};
+  std::memcpy(record.data(), values, count * sizeof(T));
+  return record;
+}
 
 class AnyOwner {
  public:
@@ -57,17 +66,17 @@ class AnyOwner {
   virtual void StdSwap(AnyOwner& other) = 0;
 };
 
+using MakeOwner = std::unique_ptr<AnyOwner> (*)(const void* bounds,
+                                                std::size_t count,
+                                                const MemoryResource& memory);
+
 struct OwnerRow {
   std::string name;
   std::string type;  // which errors name
   detail::PlaneLayout layout;
   bool is_double;
-  std::unique_ptr<AnyOwner> (*make)(const void* bounds, std::size_t count,
-                                    const MemoryResource& memory);
-  // A world of floats of the same bounds.
-  std::unique_ptr<AnyOwner> (*make_floats)(const void* bounds,
-                                           std::size_t count,
-                                           const MemoryResource& memory);
+  MakeOwner make;
+  MakeOwner make_floats;  // a world of floats of the same bounds
 
   bool IsQuantized() const { return type != "World"; }
   std::size_t record_bytes() const {
@@ -90,11 +99,50 @@ struct OwnerRow {
 
 std::vector<OwnerRow> OwnerRows();
 
-struct OwnerName {
-  std::string operator()(const ::testing::TestParamInfo<OwnerRow>& info) const {
-    return info.param.name;
+// Bounds as floats, as quantized bounds, and as a quantized world.
+struct AnyQuantized {
+  AnyWorld floats() const { return its_floats->seen(); }
+  AnyWorld quantized() const { return bounds->seen(); }
+  AnyWorld refined() const { return bounds->Refined(*its_floats); }
+  AnyWorld world() const { return its_world->seen(); }
+
+  std::unique_ptr<AnyOwner> its_floats;
+  std::unique_ptr<AnyOwner> bounds;
+  std::unique_ptr<AnyOwner> its_world;
+};
+
+// A kind of quantized worlds.
+struct QuantizedRow {
+  std::string name;
+  detail::PlaneLayout layout;
+  std::size_t element_bytes;
+  MakeOwner make_floats;
+  MakeOwner make_bounds;
+  MakeOwner make_world;
+
+  std::size_t planes() const { return layout.plane_count; }
+  bool IsMinPlane(std::size_t p) const { return p < layout.axes; }
+  // Of the values of one bound after another.
+  AnyQuantized Make(const std::vector<float>& values) const {
+    const std::size_t count = values.size() / planes();
+    return {make_floats(values.data(), count, {}),
+            make_bounds(values.data(), count, {}),
+            make_world(values.data(), count, {})};
+  }
+  friend std::ostream& operator<<(std::ostream& out, const QuantizedRow& row) {
+    return out << row.name;
   }
 };
+
+// In all dimensions that the library has.
+std::vector<QuantizedRow> AllQuantizedRows();
+
+// In those that are tested.
+[[maybe_unused]] static std::vector<QuantizedRow> QuantizedRows() {
+  return InDims(TestDims(), AllQuantizedRows(), [](const QuantizedRow& row) {
+    return std::size_t{row.layout.dims};
+  });
+}
 
 }  // namespace halfspace::testing
 

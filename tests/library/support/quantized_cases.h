@@ -1,9 +1,6 @@
-// Worlds and queries to test quantized bounds with, for typed tests: each shape
-// in 2, 3 and 4 dimensions, with quantized bounds of one and of two bytes.
+// Worlds and queries to test quantized bounds with.
 #ifndef HALFSPACE_TESTS_LIBRARY_SUPPORT_QUANTIZED_CASES_H_
 #define HALFSPACE_TESTS_LIBRARY_SUPPORT_QUANTIZED_CASES_H_
-
-#include <gtest/gtest.h>
 
 #include <array>
 #include <bit>
@@ -12,47 +9,13 @@
 #include <cstdint>
 #include <limits>
 #include <random>
-#include <string>
-#include <type_traits>
 #include <vector>
 
-#include "halfspace/quantized.h"
+#include "halfspace/detail/plane_arrays.h"
 #include "tests/library/support/cases.h"
 #include "tests/library/support/inputs.h"
 
 namespace halfspace::testing {
-
-template <typename TheView, typename TheElement>
-struct QuantizedCase {
-  using View = TheView;
-  using Element = TheElement;
-};
-
-struct QuantizedCaseNames {
-  template <typename Case>
-  static std::string GetName(int) {
-    return NameOf(Whole<typename Case::View>()) + "Uint" +
-           std::to_string(8 * sizeof(typename Case::Element));
-  }
-};
-
-template <int... kDims>
-using QuantizedCasesOf =
-    ::testing::Types<QuantizedCase<SimplexView<kDims>, std::uint8_t>...,
-                     QuantizedCase<AabbView<kDims>, std::uint8_t>...,
-                     QuantizedCase<AaboView<kDims>, std::uint8_t>...,
-                     QuantizedCase<SimplexView<kDims>, std::uint16_t>...,
-                     QuantizedCase<AabbView<kDims>, std::uint16_t>...,
-                     QuantizedCase<AaboView<kDims>, std::uint16_t>...>;
-using QuantizedCases = std::conditional_t<kTestsOnly3d, QuantizedCasesOf<3>,
-                                          QuantizedCasesOf<2, 3, 4>>;
-
-// For what is the same code for all shapes: one of each, and both sizes.
-using FewQuantizedCases =
-    ::testing::Types<QuantizedCase<SimplexView3, std::uint8_t>,
-                     QuantizedCase<AabbView3, std::uint16_t>,
-                     QuantizedCase<AaboView3, std::uint8_t>,
-                     QuantizedCase<AaboView3, std::uint16_t>>;
 
 enum class QuantizedInputKind {
   kUniform,
@@ -142,38 +105,6 @@ inline void FillQuantizedBound(const detail::PlaneLayout& layout,
   }
 }
 
-// Fills a query that a part of `count` bounds survive. Where it may reject, its
-// value is that of one of them, a neighbour of it, or special.
-inline void FillQuantizedQuery(const detail::PlaneLayout& layout,
-                               const float* bounds, std::size_t count,
-                               Random& random, float* query) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  for (std::size_t p = 0; p < layout.plane_count; ++p) {
-    const bool is_min = p < layout.axes;
-    float& value = query[OpposingValue(layout, p)];
-    const float stored =
-        count == 0 ? 0.f : bounds[random() % count * layout.plane_count + p];
-    switch (random() % 12) {
-      case 0:
-        value = SpecialValue<float>(random);
-        break;
-      case 1:
-        value = std::nextafter(stored, kInfinity);
-        break;
-      case 2:
-        value = std::nextafter(stored, -kInfinity);
-        break;
-      case 3:
-      case 4:
-      case 5:
-        value = stored;
-        break;
-      default:
-        value = is_min ? 1e35f : -1e35f;
-    }
-  }
-}
-
 }  // namespace internal
 
 // The values of `count` bounds, one bound after another.
@@ -192,6 +123,42 @@ inline std::vector<float> MakeQuantizedValues(const detail::PlaneLayout& layout,
     }
   }
   return values;
+}
+
+// Queries that a part of the bounds survive. Where one may reject, its value is
+// that of one of them, a neighbour of it, or special.
+inline std::vector<float> MakeQuantizedQueries(
+    const detail::PlaneLayout& layout, const std::vector<float>& bounds,
+    std::size_t count, Random& random) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const std::size_t planes = layout.plane_count;
+  const std::size_t objects = bounds.size() / planes;
+  std::vector<float> queries(count * planes);
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const std::size_t p = i % planes;
+    float& value = queries[i - p + OpposingValue(layout, p)];
+    const float stored =
+        objects == 0 ? 0.f : bounds[random() % objects * planes + p];
+    switch (random() % 12) {
+      case 0:
+        value = SpecialValue<float>(random);
+        break;
+      case 1:
+        value = std::nextafter(stored, kInfinity);
+        break;
+      case 2:
+        value = std::nextafter(stored, -kInfinity);
+        break;
+      case 3:
+      case 4:
+      case 5:
+        value = stored;
+        break;
+      default:
+        value = p < layout.axes ? 1e35f : -1e35f;
+    }
+  }
+  return queries;
 }
 
 }  // namespace halfspace::testing

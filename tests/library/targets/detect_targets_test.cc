@@ -12,43 +12,32 @@
 #include "hwy/highway.h"
 #include "hwy/targets.h"
 
+// Targets that not every release of Highway has.
+#ifndef HWY_SSE2
+#define HWY_SSE2 0
+#endif
+#ifndef HWY_AVX3_ZEN4
+#define HWY_AVX3_ZEN4 0
+#endif
+#ifndef HWY_AVX3_SPR
+#define HWY_AVX3_SPR 0
+#endif
+#ifndef HWY_AVX10_2
+#define HWY_AVX10_2 0
+#endif
+#ifndef HWY_NEON_WITHOUT_AES
+#define HWY_NEON_WITHOUT_AES 0
+#endif
+#ifndef HWY_NEON_BF16
+#define HWY_NEON_BF16 0
+#endif
+
 namespace halfspace::dispatch {
 namespace {
 
-#ifdef HWY_SSE2
-constexpr std::int64_t kSse2 = HWY_SSE2;
-#else
-constexpr std::int64_t kSse2 = 0;
-#endif
-#ifdef HWY_AVX3_ZEN4
-constexpr std::int64_t kZen4 = HWY_AVX3_ZEN4;
-#else
-constexpr std::int64_t kZen4 = 0;
-#endif
-#ifdef HWY_AVX3_SPR
-constexpr std::int64_t kSpr = HWY_AVX3_SPR;
-#else
-constexpr std::int64_t kSpr = 0;
-#endif
-#ifdef HWY_AVX10_2
-constexpr std::int64_t kAvx10 = HWY_AVX10_2;
-#else
-constexpr std::int64_t kAvx10 = 0;
-#endif
-#ifdef HWY_NEON_WITHOUT_AES
-constexpr std::int64_t kNeonWithoutAes = HWY_NEON_WITHOUT_AES;
-#else
-constexpr std::int64_t kNeonWithoutAes = 0;
-#endif
-#ifdef HWY_NEON_BF16
-constexpr std::int64_t kNeonBf16 = HWY_NEON_BF16;
-#else
-constexpr std::int64_t kNeonBf16 = 0;
-#endif
-
-constexpr std::int64_t kX86[] = {kSse2,    HWY_SSSE3, HWY_SSE4,
-                                 HWY_AVX2, HWY_AVX3,  HWY_AVX3_DL,
-                                 kZen4,    kSpr,      kAvx10};
+constexpr std::int64_t kX86[] = {HWY_SSE2,      HWY_SSSE3,    HWY_SSE4,
+                                 HWY_AVX2,      HWY_AVX3,     HWY_AVX3_DL,
+                                 HWY_AVX3_ZEN4, HWY_AVX3_SPR, HWY_AVX10_2};
 
 // The first `count` of them.
 constexpr std::int64_t First(std::size_t count) {
@@ -147,7 +136,7 @@ TEST(DetectTargetsTest, EachFeatureOfX86) {
 TEST(DetectTargetsTest, Zen4IsOnlyOfAmd) {
   X86Machine machine = EveryX86();
   machine.is_amd = false;
-  EXPECT_EQ(TargetsOf(machine), First(9) & ~kZen4);
+  EXPECT_EQ(TargetsOf(machine), First(9) & ~HWY_AVX3_ZEN4);
 }
 
 // Leaf 1 of CPUs: family 6 of Intel, 17h to 1Ah of AMD.
@@ -190,30 +179,31 @@ TEST(DetectTargetsTest, WideVectorsPayOnIntelFromIceLakeOn) {
 TEST(DetectTargetsTest, EachFeatureOfAarch64) {
   constexpr std::uint64_t kAll = ~std::uint64_t{0};
   const auto without = [](int bit) { return ~(std::uint64_t{1} << bit); };
-  constexpr std::int64_t kNeon = kNeonWithoutAes | HWY_NEON | kNeonBf16;
+  constexpr std::int64_t kNeon =
+      HWY_NEON_WITHOUT_AES | HWY_NEON | HWY_NEON_BF16;
   constexpr std::int64_t kSve = HWY_SVE | HWY_SVE2;
   struct Case {
     Aarch64Machine machine;
     std::int64_t targets;
   };
   const Case cases[] = {
-      {{0, 0, 0}, kNeonWithoutAes},
+      {{0, 0, 0}, HWY_NEON_WITHOUT_AES},
       {{kAll, kAll, 64}, kNeon | kSve},
       {{kAll, kAll, 32}, kNeon | kSve | HWY_SVE_256},
       {{kAll, kAll, 16}, kNeon | kSve | HWY_SVE2_128},
-      {{kAll, 0, 32}, (kNeon & ~kNeonBf16) | HWY_SVE | HWY_SVE_256},
-      {{kAll, 0, 16}, (kNeon & ~kNeonBf16) | HWY_SVE},
+      {{kAll, 0, 32}, (kNeon & ~HWY_NEON_BF16) | HWY_SVE | HWY_SVE_256},
+      {{kAll, 0, 16}, (kNeon & ~HWY_NEON_BF16) | HWY_SVE},
       // AES, ASIMDHP, ASIMDDP, SVE
-      {{without(3), kAll, 16}, kNeonWithoutAes | kSve | HWY_SVE2_128},
-      {{without(10), kAll, 64}, (kNeon & ~kNeonBf16) | kSve},
-      {{without(20), kAll, 64}, (kNeon & ~kNeonBf16) | kSve},
-      {{without(22), 0, 32}, kNeon & ~kNeonBf16},
+      {{without(3), kAll, 16}, HWY_NEON_WITHOUT_AES | kSve | HWY_SVE2_128},
+      {{without(10), kAll, 64}, (kNeon & ~HWY_NEON_BF16) | kSve},
+      {{without(20), kAll, 64}, (kNeon & ~HWY_NEON_BF16) | kSve},
+      {{without(22), 0, 32}, kNeon & ~HWY_NEON_BF16},
       // SVE2, SVEAES, SVEI8MM, SVEBF16, BF16
       {{kAll, without(1), 16}, kNeon | HWY_SVE},
       {{kAll, without(2), 16}, kNeon | HWY_SVE},
       {{kAll, without(9), 16}, kNeon | kSve},
       {{kAll, without(12), 16}, kNeon | kSve},
-      {{kAll, without(14), 64}, (kNeon & ~kNeonBf16) | kSve},
+      {{kAll, without(14), 64}, (kNeon & ~HWY_NEON_BF16) | kSve},
   };
   for (const Case& each : cases) {
     EXPECT_EQ(TargetsOf(each.machine), each.targets)

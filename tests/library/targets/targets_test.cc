@@ -104,27 +104,6 @@ TEST(TargetsTest, DefaultHandle) {
   EXPECT_EQ(Target().highway_bit(), 0);
 }
 
-TEST(TargetsTest, BestSupportedOneIsChosenUnlessForced) {
-  const TargetChoice choice = DescribeTargetChoice();
-  EXPECT_EQ(choice.error, "");
-  EXPECT_EQ(choice.target, ChosenTarget());
-  if (choice.requested.empty()) {
-    EXPECT_EQ(choice.target, SupportedTargets().front());
-  } else {
-    EXPECT_EQ(choice.target.name(), choice.requested);
-  }
-}
-
-// Every target side by side in this process, whatever is forced.
-TEST(TargetsTest, TargetOfTheOptionsRuns) {
-  const AaboWorld3 world = SmallWorld();
-  for (Target target : SupportedTargets()) {
-    EXPECT_EQ(TargetThatRuns(world, Aabo3::Everything(), {.target = target}),
-              target);
-  }
-  EXPECT_EQ(TargetThatRuns(world, Aabo3::Everything(), {}), ChosenTarget());
-}
-
 TEST(TargetsTest, HandleOfNoSupportedTargetIsRefused) {
   std::vector<std::int64_t> bits = {3, -1,
                                     std::numeric_limits<std::int64_t>::min()};
@@ -153,45 +132,32 @@ TEST(TargetsTest, HandleOfNoSupportedTargetIsRefused) {
   }
 }
 
-TEST(TargetsTest, UnknownNamesAreRefused) {
-  for (std::string_view name : {"", "auto", "nonsense", "AVX2 ", "A"}) {
+// What an error says of a name: unknown, in small letters, or of a target that
+// this machine does not support.
+TEST(TargetsTest, NamesOfNoSupportedTargetAreRefused) {
+  const auto expect = [](std::string_view name, const std::string& why) {
     EXPECT_EQ(FindTarget(name), std::nullopt) << name;
     EXPECT_TRUE(
         Refuses([&] { TargetByName(name); },
                 {"TargetByName", "name", "expected one of " + SupportedNames(),
-                 "got \"" + std::string(name) + '"',
-                 "is unknown or not in this build"}));
+                 "got \"" + std::string(name) + '"', why}));
+  };
+  for (std::string_view name : {"", "auto", "nonsense", "AVX2 ", "A"}) {
+    expect(name, "is unknown or not in this build");
   }
-}
-
-TEST(TargetsTest, CaseMattersAndTheErrorSaysSo) {
-  for (Target target : SupportedTargets()) {
-    std::string name = LowerCase(target.name());
-    for (int i = 0; i < 2; ++i) {
-      EXPECT_EQ(FindTarget(name), std::nullopt) << name;
-      EXPECT_TRUE(Refuses(
-          [&] { TargetByName(name); },
-          {"expected one of " + SupportedNames(), "got \"" + name + '"',
-           "case matters: did you mean " + std::string(target.name()) + "?"}));
-      name[0] = target.name()[0];
-    }
-  }
-}
-
-TEST(TargetsTest, CompiledButUnsupportedNamesAreRefused) {
-  bool found = false;
   for (Target target : CompiledTargets()) {
-    if (Contains(SupportedTargets(), target)) continue;
-    found = true;
-    for (const std::string& name :
-         {std::string(target.name()), LowerCase(target.name())}) {
-      EXPECT_EQ(FindTarget(name), std::nullopt);
-      EXPECT_TRUE(Refuses([&] { TargetByName(name); },
-                          {"expected one of " + SupportedNames(),
-                           '"' + name + '"', "this machine does not support"}));
+    std::string lower = LowerCase(target.name());
+    if (!Contains(SupportedTargets(), target)) {
+      expect(target.name(), "this machine does not support");
+      expect(lower, "this machine does not support");
+      continue;
     }
+    const std::string why =
+        "case matters: did you mean " + std::string(target.name()) + "?";
+    expect(lower, why);
+    lower[0] = target.name()[0];
+    expect(lower, why);
   }
-  if (!found) GTEST_SKIP() << "this machine supports all of this build";
 }
 
 }  // namespace

@@ -183,7 +183,7 @@ TEST_P(OwnerMemoryTest, ResourcesThatCannotServeAreRefused) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, OwnerMemoryTest, ::testing::ValuesIn(OwnerRows()),
-                         OwnerName());
+                         ::testing::PrintToStringParamName());
 
 TEST(MemoryFromTest, TakesAStdResource) {
   std::array<std::byte, 16384> block;

@@ -84,7 +84,7 @@ TEST_P(OwnerTest, MemoryThatCannotBeHadIsBadAlloc) {
 #endif
 
 INSTANTIATE_TEST_SUITE_P(, OwnerTest, ::testing::ValuesIn(OwnerRows()),
-                         OwnerName());
+                         ::testing::PrintToStringParamName());
 
 // The constructors that take views and worlds, and what they refuse.
 TEST(QuantizedOwnerTest, FromViewsAndWorlds) {
