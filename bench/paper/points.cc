@@ -13,11 +13,11 @@
 
 namespace halfspace::bench {
 float RoundedDown(double value) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  constexpr float kFloatInfinity = std::numeric_limits<float>::infinity();
   constexpr double kMostFloat = std::numeric_limits<float>::max();
-  if (value < -kMostFloat) return -kInfinity;
+  if (value < -kMostFloat) return -kFloatInfinity;
   const auto rounded = static_cast<float>(std::min(value, kMostFloat));
-  return rounded > value ? std::nextafter(rounded, -kInfinity) : rounded;
+  return rounded > value ? std::nextafter(rounded, -kFloatInfinity) : rounded;
 }
 
 NextPoints ScenePoints(std::uint64_t seed) {
