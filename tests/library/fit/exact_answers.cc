@@ -38,9 +38,11 @@ bool AreFinite(const Builder& builder, const Shape& shape, std::size_t begin) {
 }
 
 // An error names the call, an argument that is wrong, and what it is.
-::testing::AssertionResult NamesWhatIsWrong(const Builder& builder,
-                                            const Shape& shape,
-                                            const std::string& message) {
+::testing::AssertionResult IsRefusal(const Builder& builder, const Shape& shape,
+                                     const Outcome& outcome, bool is_refused) {
+  if (!is_refused) return Expected("no error");
+  if (!outcome.is_refused) return Expected("an error");
+  const std::string& message = outcome.message;
   const std::string call = "halfspace: " + std::string(builder.call) + ": ";
   const auto says = [&](const std::string& start, const std::string& end) {
     return message.starts_with(call + start) &&
@@ -167,10 +169,7 @@ bool IsTooFarApart(const HalfSpace<3, double>& plane) {
     is_refused |= is_inverted;
   }
   if (is_refused || outcome.is_refused) {
-    if (is_refused && outcome.is_refused) {
-      return NamesWhatIsWrong(builder, shape, outcome.message);
-    }
-    return Expected(is_refused ? "an error" : "no error");
+    return IsRefusal(builder, shape, outcome, is_refused);
   }
   if (!AreFinite(builder, shape, 0)) {
     return Is(outcome, builder.Everything(), "Everything()");
@@ -379,10 +378,7 @@ bool IsRefusedChange(const Builder& builder, const Shape& shape) {
   }
   const bool is_refused = IsRefusedChange(builder, shape);
   if (is_refused || outcome.is_refused) {
-    if (is_refused && outcome.is_refused) {
-      return NamesWhatIsWrong(builder, shape, outcome.message);
-    }
-    return Expected(is_refused ? "an error" : "no error");
+    return IsRefusal(builder, shape, outcome, is_refused);
   }
   const float* const given = shape.floats.data();
   const bool is_finite = AreFinite(builder, shape, builder.first_argument());

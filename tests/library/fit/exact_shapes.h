@@ -146,9 +146,9 @@ class ExactNumbers {
   const Shape& shape_;
 };
 
-// Of all shapes but frusta; of piece `piece` of a segment.
+// Of all shapes but frusta; of one of the pieces of a segment.
 inline ExactHull HullOf(const Builder& builder, const Shape& shape,
-                        std::size_t piece = 0) {
+                        std::size_t piece = 0, std::size_t pieces = kPieces) {
   const std::size_t dims = builder.dims;
   const std::size_t corners = std::size_t{1} << dims;
   const ExactNumbers numbers(builder, shape);
@@ -167,7 +167,7 @@ inline ExactHull HullOf(const Builder& builder, const Shape& shape,
       break;
     case Kind::kPieces:
       for (std::size_t end : {piece, piece + 1}) {
-        const mpq_class share = mpq_class(end) / mpq_class(kPieces);
+        const mpq_class share = mpq_class(end) / mpq_class(pieces);
         ExactPoint point;
         for (std::size_t k = 0; k < dims; ++k) {
           point.push_back(numbers[k] +

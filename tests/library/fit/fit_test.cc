@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <vector>
 
@@ -113,29 +114,16 @@ TEST(FitPiecesExactTest, ManyPieces) {
     const Builder& builder = BuilderOf(Kind::kPieces, 3, is_double);
     ForEachSample(36, 20, [&](PointKind kind, Random& random) {
       const Shape shape = RandomShape(builder, kind, random);
-      const ExactNumbers numbers(builder, shape);
       std::vector<Aabo3> pieces(1 + random() % 1000);
       Segment3 segment;
       Segment<3, double> wide;
-      for (std::size_t k = 0; k < 3; ++k) {
-        segment.a[k] = shape.floats[k];
-        segment.b[k] = shape.floats[k + 3];
-        wide.a[k] = shape.doubles[k];
-        wide.b[k] = shape.doubles[k + 3];
-      }
+      std::memcpy(&segment, shape.floats.data(), sizeof(segment));
+      std::memcpy(&wide, shape.doubles.data(), sizeof(wide));
       is_double ? BoundSegmentPieces(wide, pieces)
                 : BoundSegmentPieces(segment, pieces);
       for (std::size_t i = 0; i < pieces.size(); ++i) {
-        ExactHull hull(3);
-        for (std::size_t end : {i, i + 1}) {
-          const mpq_class share = mpq_class(end) / mpq_class(pieces.size());
-          ExactPoint point;
-          for (std::size_t k = 0; k < 3; ++k) {
-            point.push_back(numbers[k] + share * (numbers[k + 3] - numbers[k]));
-          }
-          hull.AddPoint(point);
-        }
-        ASSERT_TRUE(hull.IsEnclosedBy(pieces[i].min.data(), kWithinOneUlp))
+        ASSERT_TRUE(HullOf(builder, shape, i, pieces.size())
+                        .IsEnclosedBy(pieces[i].min.data(), kWithinOneUlp))
             << i << " of " << pieces.size();
       }
     });

@@ -122,13 +122,10 @@ class BulkSource {
     }
     if (bulk.kind != Kind::kTriangle) return;
     std::reverse(indices.begin(), indices.end());
+    std::reverse(numbers_.begin(), numbers_.end());
     const auto columns = static_cast<std::ptrdiff_t>(bulk.columns());
-    for (std::size_t i = 0, j = Count(); i + 1 < j; ++i) {
-      --j;
-      std::swap_ranges(
-          numbers_.begin() + static_cast<std::ptrdiff_t>(i) * columns,
-          numbers_.begin() + static_cast<std::ptrdiff_t>(i + 1) * columns,
-          numbers_.begin() + static_cast<std::ptrdiff_t>(j) * columns);
+    for (auto at = numbers_.begin(); at != numbers_.end(); at += columns) {
+      std::reverse(at, at + columns);
     }
   }
 

@@ -93,34 +93,27 @@ class FitManyErrorsTest : public ::testing::Test {
 };
 
 TEST_F(FitManyErrorsTest, NullAndMisalignedPointers) {
-  struct Row {
-    Call call;
-    const float** pointer;
-    std::string_view argument;
-    std::string_view expected;
+  const auto refused = [&](Call call, const float*& pointer,
+                           std::string_view argument,
+                           std::string_view expected) {
+    const float* const before = pointer;
+    pointer = nullptr;
+    ExpectRefused(call,
+                  {argument, ": expected ", expected, "got a null pointer"});
+    pointer = Misaligned(before);
+    ExpectRefused(call, {argument, ": expected", "aligned to 4", "misaligned"});
+    pointer = before;
   };
-  for (const Row& row :
-       {Row{Call::kBoxes, &boxes_.max[0], "BoundBoxes: boxes.max[0]",
-            "3 boxes"},
-        Row{Call::kBoxes, &boxes_.min[2], "BoundBoxes: boxes.min[2]",
-            "3 boxes"},
-        Row{Call::kSpheres, &spheres_.radius, "BoundSpheres: spheres.radius",
-            "3 spheres"},
-        Row{Call::kSpheres, &spheres_.center[2],
-            "BoundSpheres: spheres.center[2]", "3 spheres"},
-        Row{Call::kTriangles, &points_.coords[1],
-            "BoundTriangles: vertices.coords[1]", "3 vertices"},
-        Row{Call::kPointSets, &points_.coords[1],
-            "BoundPointSets: points.coords[1]", "3 points"}}) {
-    const float* const before = *row.pointer;
-    *row.pointer = nullptr;
-    ExpectRefused(row.call, {row.argument, ": expected ", row.expected,
-                             "got a null pointer"});
-    *row.pointer = Misaligned(before);
-    ExpectRefused(row.call,
-                  {row.argument, ": expected", "aligned to 4", "misaligned"});
-    *row.pointer = before;
-  }
+  refused(Call::kBoxes, boxes_.max[0], "BoundBoxes: boxes.max[0]", "3 boxes");
+  refused(Call::kBoxes, boxes_.min[2], "BoundBoxes: boxes.min[2]", "3 boxes");
+  refused(Call::kSpheres, spheres_.radius, "BoundSpheres: spheres.radius",
+          "3 spheres");
+  refused(Call::kSpheres, spheres_.center[2], "BoundSpheres: spheres.center[2]",
+          "3 spheres");
+  refused(Call::kTriangles, points_.coords[1],
+          "BoundTriangles: vertices.coords[1]", "3 vertices");
+  refused(Call::kPointSets, points_.coords[1],
+          "BoundPointSets: points.coords[1]", "3 points");
   const Points3 none{nullptr, kCount};
   ExpectRefused(Call::kTriangles, none,
                 {"vertices.coords: expected 3 vertices", "a null pointer"});

@@ -182,13 +182,13 @@ INSTANTIATE_TEST_SUITE_P(, FitManyTest, ::testing::ValuesIn(Bulks()),
                          ::testing::PrintToStringParamName());
 
 // Builds so large that they are written past the caches, against small ones. In
-// 3D an AABO takes 32 bytes: 96 MiB, and a tail. Stores past the caches fault
+// 3D an AABO takes 32 bytes: 128 MiB, and a tail. Stores past the caches fault
 // where they are not aligned, and all planes but one are large enough for them.
 TEST(FitManyLargeTest, AreTheSameAsSmallOnes) {
 #if !defined(__x86_64__)
   GTEST_SKIP() << "only on x86 do large builds take a path of their own";
 #endif
-  constexpr std::size_t kLarge = 3 * (std::size_t{1} << 20) + 64 + 3;
+  constexpr std::size_t kLarge = 4 * (std::size_t{1} << 20) + 64 + 3;
   constexpr std::size_t kSmall = 4093;  // prime: no two tiles are alike
   for (const Bulk& bulk : Bulks()) {
     // Point sets are written one by one whatever their number.

@@ -36,7 +36,6 @@ struct Output {
   std::size_t bytes;
   std::size_t needed;
   std::string_view if_short;  // what a call expects then; empty for a list
-  std::string_view unit;
   std::function<void(detail::Scan&&, void* begin, std::size_t size)> ask;
 };
 
@@ -49,45 +48,43 @@ Span<T> SpanOf(void* begin, std::size_t size) {
 std::uint32_t other_indices[200];
 
 const std::vector<Output> kOutputs = {
-    {"RejectMask", "mask", 1, 8, 3, "at least 3 words for 130 objects", "",
+    {"RejectMask", "mask", 1, 8, 3, "at least 3 words for 130 objects",
      [](detail::Scan&& scan, void* to, std::size_t size) {
        detail::RejectMask(std::move(scan), SpanOf<std::uint64_t>(to, size), {});
      }},
-    {"SurvivorMask", "mask", 1, 8, 3, "at least 3 words for 130 objects", "",
+    {"SurvivorMask", "mask", 1, 8, 3, "at least 3 words for 130 objects",
      [](detail::Scan&& scan, void* to, std::size_t size) {
        detail::SurvivorMask(std::move(scan), SpanOf<std::uint64_t>(to, size),
                             {});
      }},
-    {"Survivors", "indices", 1, 4, 2, "", "",
+    {"Survivors", "indices", 1, 4, 2, "",
      [](detail::Scan&& scan, void* to, std::size_t size) {
        std::ignore = detail::Survivors(std::move(scan),
                                        SpanOf<std::uint32_t>(to, size), {}, 0);
      }},
     {"RejectMasks", "rows", kQueries, 8, 15, "at least 5 rows of 3 words",
-     " words",
      [](detail::Scan&& scan, void* to, std::size_t size) {
        detail::RejectMasks(std::move(scan), SpanOf<std::uint64_t>(to, size), {},
                            0);
      }},
     {"SurvivorMasks", "rows", kQueries, 8, 15, "at least 5 rows of 3 words",
-     " words",
      [](detail::Scan&& scan, void* to, std::size_t size) {
        detail::SurvivorMasks(std::move(scan), SpanOf<std::uint64_t>(to, size),
                              {}, 0);
      }},
-    {"SurvivorPairs", "query_indices", kQueries, 4, 2, "", "",
+    {"SurvivorPairs", "query_indices", kQueries, 4, 2, "",
      [](detail::Scan&& scan, void* to, std::size_t size) {
        std::ignore = detail::SurvivorPairs(std::move(scan),
                                            SpanOf<std::uint32_t>(to, size),
                                            other_indices, {}, 0);
      }},
-    {"SurvivorPairs", "object_indices", kQueries, 4, 2, "", "",
+    {"SurvivorPairs", "object_indices", kQueries, 4, 2, "",
      [](detail::Scan&& scan, void* to, std::size_t size) {
        std::ignore =
            detail::SurvivorPairs(std::move(scan), other_indices,
                                  SpanOf<std::uint32_t>(to, size), {}, 0);
      }},
-    {"SurvivorCounts", "counts", kQueries, 8, 5, "at least 5", "",
+    {"SurvivorCounts", "counts", kQueries, 8, 5, "at least 5",
      [](detail::Scan&& scan, void* to, std::size_t size) {
        detail::SurvivorCounts(std::move(scan), SpanOf<std::size_t>(to, size),
                               {});
@@ -215,7 +212,7 @@ TEST_P(RejectErrorsTest, OutputsThatAreNoMemory) {
     if (output.if_short.empty()) continue;
     for (std::size_t size : {output.needed - 1, std::size_t{0}}) {
       ExpectRefused(output, World(), memory.data(), size, output.if_short,
-                    std::to_string(size) + std::string(output.unit));
+                    std::to_string(size));
     }
   }
   EXPECT_EQ(memory, std::vector<std::uint64_t>(16, 7));
