@@ -1,6 +1,5 @@
-// What histories of a broad phase do not show: wrong arguments and times, no
-// memory, saved bytes that were altered, how well it is sorted, and how much
-// memory it takes.
+// What histories of a broad phase do not show: wrong arguments and times, saved
+// bytes that were altered, how well it is sorted, and how much memory it takes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
