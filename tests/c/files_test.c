@@ -25,6 +25,7 @@ enum { OBJECTS = 6000, VALUES = 6, MOST_VALUES = 8 };
 
 static float objects[OBJECTS * MOST_VALUES];
 static const char kPath[] = "c_test.bvh";
+static hs_bvh_config box3;  // of boxes in 3 dimensions
 
 // After a call that fails, nobody has the old handle.
 static void destroy(hs_bvh** bvh) {
@@ -109,7 +110,6 @@ static void test_kinds(void) {
 }
 
 static void test_bad_files(const void* blob, size_t size) {
-  const hs_bvh_config config = bvh_config_of(HS_BOX3);
   const hs_bvh_config other = bvh_config_of(HS_OCTAHEDRON2);
   unsigned char* const altered = malloc(size);
   const size_t cuts[] = {1, 63, 64, 65, size / 2, size - 1};
@@ -120,30 +120,30 @@ static void test_bad_files(const void* blob, size_t size) {
   check_refused(&other, ": path: expected bounds of 2 dimensions, 3 axes");
   for (i = 0; i < sizeof(cuts) / sizeof(cuts[0]); ++i) {
     write_file(blob, cuts[i]);
-    check_refused(&config, ": path: expected ");
-    CHECK(hs_bvh_from_blob(&config, blob, cuts[i], &bvh) == HS_CORRUPT);
+    check_refused(&box3, ": path: expected ");
+    CHECK(hs_bvh_from_blob(&box3, blob, cuts[i], &bvh) == HS_CORRUPT);
   }
   write_file("", 0);
-  check_refused(&config, "path: expected a stored BVH, got the empty file");
-  CHECK_FAILS(hs_bvh_from_blob(&config, "x", 1, &bvh), HS_CORRUPT,
+  check_refused(&box3, "path: expected a stored BVH, got the empty file");
+  CHECK_FAILS(hs_bvh_from_blob(&box3, "x", 1, &bvh), HS_CORRUPT,
               "hs_bvh_from_blob: data: expected a header of 64 bytes, got 1");
   write_file(
       "a text of more than 64 bytes, which is no hierarchy, but was "
       "given as one",
       72);
-  check_refused(&config,
+  check_refused(&box3,
                 ": path: expected the bytes of a stored BVH, got another "
                 "beginning");
 
   // One byte in the body: found by the checksum. A map has not read it yet.
   altered[size / 2] ^= 1;
   write_file(altered, size);
-  CHECK(hs_bvh_from_blob(&config, altered, size, &bvh) == HS_CORRUPT);
-  CHECK_FAILS(hs_bvh_load(&config, kPath, &bvh), HS_CORRUPT,
+  CHECK(hs_bvh_from_blob(&box3, altered, size, &bvh) == HS_CORRUPT);
+  CHECK_FAILS(hs_bvh_load(&box3, kPath, &bvh), HS_CORRUPT,
               "hs_bvh_load: expected the bytes that hs_bvh_blob() returned, "
               "got altered ones: store the BVH again");
   CHECK(bvh == NULL);
-  CHECK_OK(hs_bvh_map(&config, kPath, &bvh));
+  CHECK_OK(hs_bvh_map(&box3, kPath, &bvh));
   (void)count_all(bvh);
   CHECK(hs_bvh_verify(bvh) == HS_CORRUPT);
   destroy(&bvh);
@@ -151,19 +151,18 @@ static void test_bad_files(const void* blob, size_t size) {
 }
 
 static void test_whole_files(hs_bvh* bvh, const void* blob, size_t size) {
-  const hs_bvh_config config = bvh_config_of(HS_BOX3);
   hs_bvh* copy = NULL;
   const void* data = NULL;
   size_t bytes = 0;
   uint32_t id = 1;
   CHECK_OK(hs_bvh_save(bvh, kPath));
   CHECK_OK(hs_bvh_save(bvh, kPath));
-  CHECK_OK(hs_bvh_load(&config, kPath, &copy));
+  CHECK_OK(hs_bvh_load(&box3, kPath, &copy));
   CHECK_OK(hs_bvh_blob(copy, &data, &bytes));
   CHECK(bytes == size && memcmp(data, blob, size) == 0);
   CHECK_OK(hs_bvh_verify(copy));
   destroy(&copy);
-  check_count(hs_bvh_from_blob(&config, blob, size, &copy), &copy, OBJECTS);
+  check_count(hs_bvh_from_blob(&box3, blob, size, &copy), &copy, OBJECTS);
 
   // In place, or a copy of bytes that are not aligned.
   {
@@ -173,7 +172,7 @@ static void test_whole_files(hs_bvh* bvh, const void* blob, size_t size) {
     size_t i;
     for (i = 0; i < 2; ++i) {
       memcpy(aligned + i, blob, size);
-      CHECK_OK(hs_bvh_in_place(&config, aligned + i, size, &copy));
+      CHECK_OK(hs_bvh_in_place(&box3, aligned + i, size, &copy));
       CHECK(count_all(copy) == OBJECTS);
       CHECK_OK(hs_bvh_blob(copy, &data, &bytes));
       CHECK(bytes == size && (data == aligned + i) == (i == 0));
@@ -186,36 +185,35 @@ static void test_whole_files(hs_bvh* bvh, const void* blob, size_t size) {
       destroy(&copy);
     }
     aligned[size] ^= 1;
-    CHECK_OK(hs_bvh_in_place(&config, aligned + 1, size, &copy));
+    CHECK_OK(hs_bvh_in_place(&box3, aligned + 1, size, &copy));
     CHECK(hs_bvh_verify(copy) == HS_CORRUPT);
     destroy(&copy);
-    CHECK(hs_bvh_in_place(&config, aligned + 1, size - 1, &copy) == HS_CORRUPT);
+    CHECK(hs_bvh_in_place(&box3, aligned + 1, size - 1, &copy) == HS_CORRUPT);
     free(bytes_behind);
   }
 
   // A map changes as any other, and the file does not.
-  CHECK_OK(hs_bvh_map(&config, kPath, &copy));
+  CHECK_OK(hs_bvh_map(&box3, kPath, &copy));
   CHECK(count_all(copy) == OBJECTS);
   CHECK_OK(hs_bvh_verify(copy));
   CHECK_OK(hs_bvh_erase(copy, &id, 1));
   CHECK(count_all(copy) == OBJECTS - 1);
   CHECK_OK(hs_bvh_verify(copy));
   destroy(&copy);
-  check_count(hs_bvh_load(&config, kPath, &copy), &copy, OBJECTS);
+  check_count(hs_bvh_load(&box3, kPath, &copy), &copy, OBJECTS);
   // The file of a map can be replaced, except on Windows. There the old file
   // stays as it is.
-  CHECK_OK(hs_bvh_map(&config, kPath, &copy));
+  CHECK_OK(hs_bvh_map(&box3, kPath, &copy));
   CHECK(hs_bvh_save(copy, kPath) == kReplacesMapped);
   CHECK_OK(hs_bvh_erase(copy, &id, 1));
   CHECK(hs_bvh_save(copy, kPath) == kReplacesMapped);
   CHECK(count_all(copy) == OBJECTS - 1);
   destroy(&copy);
-  check_count(hs_bvh_load(&config, kPath, &copy), &copy,
+  check_count(hs_bvh_load(&box3, kPath, &copy), &copy,
               (kReplacesMapped == HS_OK ? OBJECTS - 1 : OBJECTS));
 }
 
 static void test_no_objects(void) {
-  const hs_bvh_config config = bvh_config_of(HS_BOX3);
   const hs_columns none = hs_float_rows(NULL, 0, 6);
   const hs_columns columns = hs_float_rows(objects, 2, 6);
   hs_bvh* bvh = NULL;
@@ -223,22 +221,22 @@ static void test_no_objects(void) {
   uint32_t ids[2];
   const void* data = &bvh;
   size_t size = 1;
-  CHECK_OK(hs_bvh_create(&config, &none, &bvh));
+  CHECK_OK(hs_bvh_create(&box3, &none, &bvh));
   CHECK_OK(hs_bvh_blob(bvh, &data, &size));
   CHECK(data == NULL && size == 0);
-  check_count(hs_bvh_from_blob(&config, data, size, &copy), &copy, 0);
+  check_count(hs_bvh_from_blob(&box3, data, size, &copy), &copy, 0);
   CHECK_OK(hs_bvh_save(bvh, kPath));
   // A BVH with room has a header.
   CHECK_OK(hs_bvh_reserve(bvh, 1));
   CHECK_OK(hs_bvh_blob(bvh, &data, &size));
   CHECK(data != NULL && size >= 64);
   destroy(&bvh);
-  CHECK_OK(hs_bvh_load(&config, kPath, &bvh));
+  CHECK_OK(hs_bvh_load(&box3, kPath, &bvh));
   CHECK(count_all(bvh) == 0);
   CHECK_OK(hs_bvh_insert(bvh, &columns, ids));
   CHECK(count_all(bvh) == 2 && ids[0] == 0 && ids[1] == 1);
   destroy(&bvh);
-  check_count(hs_bvh_map(&config, kPath, &bvh), &bvh, 0);
+  check_count(hs_bvh_map(&box3, kPath, &bvh), &bvh, 0);
 }
 
 #if defined(HAS_POSIX)
@@ -251,12 +249,11 @@ static mode_t mode_of(const char* path) {
 // UTF-8, with a letter outside of every code page of Windows.
 static void test_spaces_and_umlauts(const hs_bvh* bvh) {
   static const char kName[] = "c_test \xc3\xa4 \xf0\x9f\x93\xa6.bvh";
-  const hs_bvh_config config = bvh_config_of(HS_BOX3);
   hs_bvh* copy = NULL;
   CHECK_OK(hs_bvh_save(bvh, kName));
   CHECK_OK(hs_bvh_save(bvh, kName));
-  check_count(hs_bvh_load(&config, kName, &copy), &copy, OBJECTS);
-  check_count(hs_bvh_map(&config, kName, &copy), &copy, OBJECTS);
+  check_count(hs_bvh_load(&box3, kName, &copy), &copy, OBJECTS);
+  check_count(hs_bvh_map(&box3, kName, &copy), &copy, OBJECTS);
 #if defined(_WIN32)
   CHECK(_wremove(L"c_test \u00e4 \U0001f4e6.bvh") == 0);
 #else
@@ -265,16 +262,15 @@ static void test_spaces_and_umlauts(const hs_bvh* bvh) {
 }
 
 static void test_paths(const hs_bvh* bvh) {
-  const hs_bvh_config config = bvh_config_of(HS_BOX3);
   hs_bvh* none = NULL;
   hs_builder* no_builder = NULL;
-  CHECK(hs_builder_create_file(&config, "c_test_none/file", 0, &no_builder) ==
+  CHECK(hs_builder_create_file(&box3, "c_test_none/file", 0, &no_builder) ==
         HS_IO_ERROR);
-  CHECK(hs_builder_create_file(&config, ".", 0, &no_builder) == HS_IO_ERROR);
-  CHECK(hs_builder_create_file(&config, "", 0, &no_builder) == HS_IO_ERROR);
+  CHECK(hs_builder_create_file(&box3, ".", 0, &no_builder) == HS_IO_ERROR);
+  CHECK(hs_builder_create_file(&box3, "", 0, &no_builder) == HS_IO_ERROR);
   NOT_NULL(hs_builder_create_file, (NULL, "c_test", 0, &no_builder), "config");
-  NOT_NULL(hs_builder_create_file, (&config, NULL, 0, &no_builder), "path");
-  NOT_NULL(hs_builder_create_file, (&config, "c_test", 0, NULL), "builder");
+  NOT_NULL(hs_builder_create_file, (&box3, NULL, 0, &no_builder), "path");
+  NOT_NULL(hs_builder_create_file, (&box3, "c_test", 0, NULL), "builder");
   CHECK(no_builder == NULL);
   CHECK(hs_bvh_save(bvh, "c_test_none/file") == HS_IO_ERROR);
   CHECK(strstr(hs_last_error(), "hs_bvh_save: path: \"c_test_none/file.") ==
@@ -282,24 +278,24 @@ static void test_paths(const hs_bvh* bvh) {
   test_spaces_and_umlauts(bvh);
 #if defined(_WIN32)
   // The text of the error is the system's.
-  CHECK(hs_bvh_load(&config, "c_test_none", &none) == HS_IO_ERROR);
+  CHECK(hs_bvh_load(&box3, "c_test_none", &none) == HS_IO_ERROR);
   CHECK(strstr(hs_last_error(),
                "hs_bvh_load: path: \"c_test_none\" cannot be opened: ") ==
         hs_last_error());
   CHECK(strlen(strstr(hs_last_error(), "opened: ")) > 16);
-  CHECK(hs_bvh_map(&config, "c_test_none", &none) == HS_IO_ERROR);
-  CHECK(hs_bvh_map(&config, ".", &none) == HS_IO_ERROR);
+  CHECK(hs_bvh_map(&box3, "c_test_none", &none) == HS_IO_ERROR);
+  CHECK(hs_bvh_map(&box3, ".", &none) == HS_IO_ERROR);
   CHECK(hs_bvh_save(bvh, ".") == HS_IO_ERROR);
   CHECK(hs_bvh_save(bvh, "NUL") == HS_IO_ERROR);
-  CHECK(hs_bvh_load(&config, "NUL", &none) == HS_IO_ERROR);
+  CHECK(hs_bvh_load(&box3, "NUL", &none) == HS_IO_ERROR);
   CHECK(hs_bvh_save(bvh, "c_test\xff") == HS_IO_ERROR);
   CHECK(strstr(hs_last_error(), " cannot be read as UTF-8: ") != NULL);
-  CHECK(hs_bvh_map(&config, "c_test\xff", &none) == HS_IO_ERROR);
+  CHECK(hs_bvh_map(&box3, "c_test\xff", &none) == HS_IO_ERROR);
 #else
-  CHECK_FAILS(hs_bvh_load(&config, "c_test_none", &none), HS_IO_ERROR,
+  CHECK_FAILS(hs_bvh_load(&box3, "c_test_none", &none), HS_IO_ERROR,
               "hs_bvh_load: path: \"c_test_none\" cannot be opened: No such "
               "file or directory");
-  CHECK_FAILS(hs_bvh_map(&config, "c_test_none", &none), HS_IO_ERROR,
+  CHECK_FAILS(hs_bvh_map(&box3, "c_test_none", &none), HS_IO_ERROR,
               "hs_bvh_map: path: \"c_test_none\" cannot be opened: No such "
               "file or directory");
 #endif
@@ -308,8 +304,8 @@ static void test_paths(const hs_bvh* bvh) {
   CHECK_FAILS(hs_bvh_save(bvh, "c_test_folder"), HS_IO_ERROR,
               "hs_bvh_save: path: \"c_test_folder\" cannot be written: Is a "
               "directory");
-  CHECK(hs_bvh_load(&config, "c_test_folder", &none) == HS_IO_ERROR);
-  CHECK(hs_bvh_map(&config, "c_test_folder", &none) == HS_IO_ERROR);
+  CHECK(hs_bvh_load(&box3, "c_test_folder", &none) == HS_IO_ERROR);
+  CHECK(hs_bvh_map(&box3, "c_test_folder", &none) == HS_IO_ERROR);
   (void)remove("c_test_folder");
   // No call waits for the other end of a FIFO. A FIFO is not replaced, and
   // neither is a link to one. A link to a file is.
@@ -327,10 +323,10 @@ static void test_paths(const hs_bvh* bvh) {
   CHECK_OK(hs_bvh_save(bvh, "c_test_link"));
   CHECK(S_ISREG(mode_of("c_test_link")));
   (void)remove("c_test_link");
-  CHECK_FAILS(hs_bvh_load(&config, "c_test_fifo", &none), HS_IO_ERROR,
+  CHECK_FAILS(hs_bvh_load(&box3, "c_test_fifo", &none), HS_IO_ERROR,
               "hs_bvh_load: path: \"c_test_fifo\" cannot be read: No such "
               "device");
-  CHECK_FAILS(hs_bvh_map(&config, "c_test_fifo", &none), HS_IO_ERROR,
+  CHECK_FAILS(hs_bvh_map(&box3, "c_test_fifo", &none), HS_IO_ERROR,
               "hs_bvh_map: path: \"c_test_fifo\" cannot be read: No such "
               "device");
   (void)remove("c_test_fifo");
@@ -428,13 +424,12 @@ static void limit_files(rlim_t bytes) {
 // Neither a push nor hs_builder_finish() that fails changes the builder, or the
 // file that is replaced.
 static void test_builder_without_room(void) {
-  const hs_bvh_config config = bvh_config_of(HS_BOX3);
   const hs_columns columns = hs_float_rows(objects, OBJECTS, VALUES);
   const hs_columns few = hs_float_rows(objects, 100, VALUES);
   hs_builder* builder = NULL;
   hs_bvh* bvh = NULL;
   void (*const before)(int) = signal(SIGXFSZ, SIG_IGN);
-  CHECK_OK(hs_builder_create_file(&config, kPath, 4096, &builder));
+  CHECK_OK(hs_builder_create_file(&box3, kPath, 4096, &builder));
   CHECK_OK(hs_builder_push(builder, &few));
   CHECK_OK(hs_builder_finish(builder, &bvh));
   destroy(&bvh);
@@ -450,7 +445,7 @@ static void test_builder_without_room(void) {
   limit_files(150000);
   CHECK(hs_builder_finish(builder, &bvh) == HS_IO_ERROR && bvh == NULL);
   limit_files(RLIM_INFINITY);
-  check_count(hs_bvh_load(&config, kPath, &bvh), &bvh, 100);
+  check_count(hs_bvh_load(&box3, kPath, &bvh), &bvh, 100);
   CHECK_OK(hs_builder_finish(builder, &bvh));
   check_rows_of(bvh, 100);
   destroy(&bvh);
@@ -460,31 +455,29 @@ static void test_builder_without_room(void) {
 
 // A relative path is that of the folder at the time of the call.
 static void test_builder_in_another_folder(void) {
-  const hs_bvh_config config = bvh_config_of(HS_BOX3);
   const hs_columns few = hs_float_rows(objects, 100, VALUES);
   hs_builder* builder = NULL;
   hs_bvh* bvh = NULL;
   CHECK(mkdir("c_test_folder", 0700) == 0);
-  CHECK_OK(hs_builder_create_file(&config, kPath, 64, &builder));
+  CHECK_OK(hs_builder_create_file(&box3, kPath, 64, &builder));
   CHECK_OK(hs_builder_push(builder, &few));
   CHECK(chdir("c_test_folder") == 0);
   check_count(hs_builder_finish(builder, &bvh), &bvh, 100);
   hs_builder_destroy(builder);
   CHECK(chdir("..") == 0);
   CHECK(rmdir("c_test_folder") == 0);
-  check_count(hs_bvh_load(&config, kPath, &bvh), &bvh, 100);
+  check_count(hs_bvh_load(&box3, kPath, &bvh), &bvh, 100);
 }
 
 // A thread that has been canceled ends behind the calls, not in them.
 static int has_returned = 0;
 static void* use_files(void* bvh) {
-  const hs_bvh_config config = bvh_config_of(HS_BOX3);
   hs_bvh* copy = NULL;
   CHECK(pthread_cancel(pthread_self()) == 0);
   CHECK_OK(hs_bvh_save(bvh, kPath));
-  CHECK_OK(hs_bvh_load(&config, kPath, &copy));
+  CHECK_OK(hs_bvh_load(&box3, kPath, &copy));
   destroy(&copy);
-  CHECK_OK(hs_bvh_map(&config, kPath, &copy));
+  CHECK_OK(hs_bvh_map(&box3, kPath, &copy));
   destroy(&copy);
   has_returned = 1;
   pthread_testcancel();
@@ -500,15 +493,15 @@ static void test_canceled(hs_bvh* bvh) {
 #endif
 
 void test_files(void) {
-  const hs_bvh_config config = bvh_config_of(HS_BOX3);
   const hs_columns columns = hs_float_rows(objects, OBJECTS, VALUES);
   const size_t remains = count_remains();
   hs_bvh* bvh = NULL;
   const void* blob = NULL;
   size_t size = 0;
   int i;
+  box3 = bvh_config_of(HS_BOX3);
   random_bounds(HS_BOX3, OBJECTS, 0.01f, 12, objects);
-  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
+  CHECK_OK(hs_bvh_create(&box3, &columns, &bvh));
   CHECK_OK(hs_bvh_blob(bvh, &blob, &size));
   test_whole_files(bvh, blob, size);
   test_kinds();

@@ -1246,34 +1246,21 @@ void TestBroadPhase(bool moves_wait) {
   hs_broad_phase_destroy(bodies);
 }
 
-// Triangles in a BVH, of which some are there twice, against all of them.
+// Triangles in a BVH, each of which is there twice, against all of them.
 void TestTriangles() {
-  constexpr std::size_t kTriangles = 3000;
-  constexpr std::size_t kRays = 100;
-  std::uint32_t seed = 90;
-  std::vector<double> numbers;
-  for (std::size_t i = 0; i < 9 * kTriangles; ++i) {
-    const std::size_t corner = i / 9 * 9;
-    numbers.push_back(i / 9 % 10 == 9 ? numbers[i - 9]
-                      : i - corner < 3
-                          ? Number(&seed)
-                          : numbers[corner + i % 3] + 0.1 * Number(&seed));
-  }
-  const Records triangles(9, 9, std::move(numbers));
-  numbers.clear();
-  for (std::size_t i = 0; i < 7 * kRays; ++i) {
-    numbers.push_back(i % 7 == 6  ? (i % 4 == 0 ? 0.5 : kInfinity)
-                      : i % 7 < 3 ? Number(&seed)
-                                  : Number(&seed) - 0.5);
-  }
-  const Records rays(7, 7, std::move(numbers));
+  constexpr std::size_t kTriangles = 600;
+  const Records some = RandomNumbers(kTriangles / 2, 9, 90);
+  std::vector<double> twice(some.doubles(0), some.doubles(kTriangles / 2));
+  twice.insert(twice.end(), some.doubles(0), some.doubles(kTriangles / 2));
+  const Records triangles(9, 9, std::move(twice));
+  const Records rays = RandomNumbers(kQueries, 7, 91, 1);
   const auto all = Structs<Triangle<3>>(triangles);
   const auto as_rays = Structs<Ray<3>>(rays);
   std::vector<std::pair<std::size_t, std::uint32_t>> hits;
   std::vector<std::pair<float, std::uint32_t>> first;
   std::vector<std::pair<float, std::uint32_t>> closest;
-  constexpr float kNear = 0.05f;
-  for (std::size_t i = 0; i < kRays; ++i) {
+  constexpr float kNear = 0.02f;
+  for (std::size_t i = 0; i < kQueries; ++i) {
     first.emplace_back(kInfinity, HS_NO_ID);
     closest.emplace_back(kInfinity, HS_NO_ID);
     for (std::uint32_t id = 0; id < kTriangles; ++id) {
@@ -1284,7 +1271,7 @@ void TestTriangles() {
       if (away <= kNear) closest[i] = std::min(closest[i], std::pair(away, id));
     }
   }
-  CHECK(hits.size() > kRays);
+  CHECK(hits.size() > kQueries);
   for (Form form : kFloats) {
     const hs_columns columns = triangles.In(form);
     const hs_columns of_rays = rays.In(form);
@@ -1293,13 +1280,12 @@ void TestTriangles() {
         hs_bound_triangles(HS_BOX3, &columns, nullptr, boxes.data(), nullptr));
     const hs_columns objects = hs_float_rows(boxes.data(), kTriangles, 6);
     const hs_bvh_config config = bvh_config_of(HS_BOX3);
-    hs_bvh* bvh = nullptr;
-    CHECK_OK(hs_bvh_create(&config, &objects, &bvh));
+    hs_bvh* const bvh = Get<hs_bvh*>(&hs_bvh_create, &config, &objects);
     hs_query_options options = DefaultsOf(&hs_query_options_default);
-    Ids ids(kRays);
-    std::vector<float> values(kRays);
+    Ids ids(kQueries);
+    std::vector<float> values(kQueries);
     const auto are = [&](const auto& expected) {
-      for (std::size_t i = 0; i < kRays; ++i) {
+      for (std::size_t i = 0; i < kQueries; ++i) {
         if (expected[i] != std::pair(values[i], ids[i])) return false;
       }
       return true;
@@ -1327,12 +1313,12 @@ void TestTriangles() {
                                   })));
     options.mask = 0;  // which no object has
     CHECK(casts(kInfinity).empty());
-    std::vector<float> on_triangles(3 * kRays);
+    std::vector<float> on_triangles(3 * kQueries);
     CHECK_OK(hs_bvh_closest_points(bvh, &of_rays, &columns, kNear, nullptr,
                                    ids.data(), on_triangles.data(),
                                    values.data()));
     CHECK(are(closest));
-    for (std::size_t i = 0; i < kRays; ++i) {
+    for (std::size_t i = 0; i < kQueries; ++i) {
       const bool is_none = closest[i].second == HS_NO_ID;
       CHECK(is_none
                 ? std::isnan(on_triangles[3 * i])

@@ -14,17 +14,6 @@
 namespace halfspace::testing {
 namespace {
 
-Ids Both(const Ids& a, const Ids& b) {
-  Ids both;
-  std::ranges::set_intersection(a, b, std::back_inserter(both));
-  return both;
-}
-Ids Either(const Ids& a, const Ids& b) {
-  Ids either;
-  std::ranges::set_union(a, b, std::back_inserter(either));
-  return either;
-}
-
 // What is stored of the bodies, and their pairs.
 Ids StateOf(const AnyBodies& bodies) {
   const Planes everything = AllPlanes(bodies.layout, kInf);
@@ -63,8 +52,12 @@ BodyHistory::BodyHistory(const Layout& layout, Choices& choices,
 }
 
 void BodyHistory::Watch::Add(const Ids& found) {
-  always = Both(always, found);
-  ever = Either(ever, found);
+  Ids both;
+  Ids either;
+  std::ranges::set_intersection(always, found, std::back_inserter(both));
+  std::ranges::set_union(ever, found, std::back_inserter(either));
+  always = std::move(both);
+  ever = std::move(either);
 }
 
 void BodyHistory::Try(const AnyBodies& bodies,

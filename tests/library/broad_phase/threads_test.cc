@@ -476,21 +476,14 @@ TEST(BroadPhaseThreadsTest, EventsDoNotDependOnTheRunner) {
     BroadPhaseOptions options;
     options.filter = {&KeepsSome, &calls};
     AabbBroadPhase3 bodies(options);
-    const auto box_of = [](std::uint32_t id, std::uint32_t step) {
-      const auto at = [&](std::uint32_t k) {
-        return static_cast<float>(id * k % 127 + step * (id % 3));
-      };
-      const Aabb3 box = {{at(5), at(31), at(77)}, {}};
-      return Aabb3{box.min, {box.min[0] + 4, box.min[1] + 4, box.min[2] + 4}};
-    };
     constexpr std::uint32_t kCount = 20'000;
-    for (std::uint32_t id = 0; id < kCount; ++id) {
-      const BodyMasks masks = {std::uint32_t{1} << id % 32, ~(id % 5)};
-      bodies.Insert(id, box_of(id, 0), masks);
-    }
     for (std::uint32_t step = 0; step < 3; ++step) {
+      Spheres spheres(Layout(3, 3, true), 1, step);
       for (std::uint32_t id = 0; id < kCount; ++id) {
-        bodies.Move(id, box_of(id, step));
+        const Aabb3 box = BoxOf(spheres.Next());
+        const BodyMasks masks = {std::uint32_t{1} << id % 32, ~(id % 5)};
+        if (step == 0) bodies.Insert(id, box, masks);
+        if (step * (id % 3) != 0) bodies.Move(id, box);
       }
       bodies.UpdatePairs(r == 0 ? Runner() : Runner(run));
       for (const auto& list : {bodies.began(), bodies.ended()}) {

@@ -456,24 +456,6 @@ TEST(BvhOrderTest, TheCostRatioIsInfiniteOnlyBeforeTheFirstOrder) {
   EXPECT_EQ(half.ids().size(), 5000u);
 }
 
-// A partial rebuild cuts the end of the world, in front of where it ended when
-// all were sorted. Then a list crosses that place.
-TEST(BvhOrderTest, AListAfterTheEndWasCutIsFound) {
-  constexpr std::uint32_t kSize = 2048;
-  Spread<AabbView3> spread(0.2f);
-  AabbBvh3 bvh(spread.Objects(kSize));
-  const Ids places(bvh.ids().begin(), bvh.ids().end());
-  bvh.Erase(Ids(places.end() - 700, places.end() - 1));
-  for (std::size_t i = 0; i < 600; ++i) bvh.Set(places[i], spread.NextObject());
-  EXPECT_GT(bvh.RebuildPartial(kSize), 0u);
-  ASSERT_LT(bvh.ids().size(), kSize - 600u);
-  std::vector<Aabb3> bounds(1000);
-  for (Aabb3& bound : bounds) bound = spread.NextObject();
-  Ids ids(bounds.size());
-  bvh.Insert(bounds, ids);
-  EXPECT_EQ(CountSurvivors(bvh, Aabb3::Everything()), bvh.size());
-}
-
 void RunBackwards(std::size_t count, Runner::Part part) {
   while (count-- > 0) part(count);
 }

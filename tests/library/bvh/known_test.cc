@@ -228,17 +228,6 @@ TEST(BvhPairsTest, SubnormalResultsMayBeFlushed) {
 }
 #endif
 
-// On D three times the margin, which is no float here.
-TEST(BvhPairsTest, AMarginThatOverflowsOnDMissesNothing) {
-  AaboWorld3 world;
-  for (float d : {0.65f * kMost, -0.65f * kMost}) {
-    world.Push({{0, 0, 0, d}, {0, 0, 0, d}});
-  }
-  const AaboBvh3 bvh(world);
-  EXPECT_EQ(Pairs(bvh, {}, {.margin = kMost / 2}), 1u);
-  EXPECT_EQ(Pairs(bvh, {}, {.margin = kMost / 4}), 0u);
-}
-
 TEST(BvhPairsTest, ASubnormalMarginIsOneThoughSubnormalsAreFlushed) {
   constexpr float kLeast = std::numeric_limits<float>::min();
   const float next = std::nextafter(kLeast, 1.0f);
