@@ -26,11 +26,10 @@ void Contest::Time(const Effort& effort) {
   }
 }
 
-void RunParts(Run& run, Parts& parts) {
+void RunParts(Run& run, const Parts& parts) {
   for (std::size_t i = 0; i < parts.size(); ++i) {
     run.progress.BeginPart(i, parts.size());
     parts[i]();
-    parts[i] = nullptr;
   }
 }
 
