@@ -66,10 +66,9 @@ struct Method {
   }
 };
 enum Word : std::size_t { kShape, kStructure, kPrecision };
-using Methods = std::vector<Method>;
 
 // The fastest first.
-Methods MeasureMethods(Run& run, const AaboWorld3& world) {
+std::vector<Method> MeasureMethods(Run& run, const AaboWorld3& world) {
   const ShapeQueries queries(run.Measured().timed_queries);
   Contest contest(run, "answers");
   std::vector<double> survivors;
@@ -82,7 +81,7 @@ Methods MeasureMethods(Run& run, const AaboWorld3& world) {
   }
   // Enough for a range that another run does not leave.
   contest.Time(run.RepetitionsOr(kGroups));
-  Methods methods;
+  std::vector<Method> methods;
   for (std::size_t i = 0; i < contest.size(); ++i) {
     methods.push_back({contest.keys(i), contest.timing(i)});
     for (double& ns : methods.back().time.samples) {
@@ -111,8 +110,8 @@ void AddAnswer(Table& table, const std::string& question,
 }
 
 // The fastest method, and the fastest of those that differ from it in a word.
-void AddMethods(Table& table, const char* question, const Methods& methods,
-                Word word) {
+void AddMethods(Table& table, const char* question,
+                const std::vector<Method>& methods, Word word) {
   const Method& best = methods.front();
   const auto other = std::find_if(
       methods.begin(), methods.end(),
@@ -146,9 +145,9 @@ Table AnswersTable(Run& run) {
   constexpr std::size_t kMostObjects = std::size_t{1} << 20;
   const AaboWorld3 world = Thinned(
       run.Measured().objects, run.is_quick() ? kMostObjects / 8 : kMostObjects);
-  const Methods methods = MeasureMethods(run, world);
+  const std::vector<Method> methods = MeasureMethods(run, world);
   AddMethods(table, "shape", methods, kShape);
-  Methods scans = methods;
+  std::vector<Method> scans = methods;
   std::erase_if(scans, [](const Method& any) {
     return any.words[kStructure].text != "scan";
   });

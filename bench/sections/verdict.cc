@@ -100,8 +100,7 @@ Table TableOf(Run& run, std::string name, std::string title, double exact_ns) {
   }
   if (verdict.is_of_file()) {
     const std::size_t own = run.input()->objects.size();
-    const std::size_t all = verdict.worlds()[0].objects;
-    if (own < all) {
+    if (const std::size_t all = verdict.worlds()[0].objects; own < all) {
       table.notes.push_back("The file has " + Grouped(own) +
                             " objects. They are repeated up to " +
                             Grouped(all) + ", which fill half of L2.");
