@@ -151,12 +151,11 @@ std::optional<Workload> ReadInput(const BenchOptions& options) {
 
 Report RunTo(std::ostream& out, const BenchOptions& options,
              std::optional<Workload> input) {
-  const bool is_text = options.format == Format::kText;
   Progress progress;
   Report report = RunSections(options, std::move(input), progress,
-                              is_text ? &out : nullptr);
+                              options.is_json ? nullptr : &out);
   progress.Clear();
-  if (!is_text) out << ToJson(report);
+  if (options.is_json) out << ToJson(report);
   return report;
 }
 

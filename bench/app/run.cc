@@ -102,7 +102,7 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
         continue;
       }
       progress.Begin(section.name, section.weight);
-      run.clock().Sample();
+      run.clock.Sample();
       try {
         // Spread over the run.
         if (needs_verdict && pass == 0) {

@@ -12,6 +12,13 @@
 
 namespace halfspace::bench {
 
+// Of the program.
+inline constexpr int kExitOk = 0;
+inline constexpr int kExitWrongAnswer = 1;
+inline constexpr int kExitUsage = 2;
+inline constexpr int kExitBadInput = 3;
+inline constexpr int kExitFailed = 4;
+
 // `input` is the workload of a file, if one was given. With `text`, the report
 // is written there: the page at the end, the tables of --details as soon as
 // their sections are done. Throws WrongAnswer, and UsageError if the scene does

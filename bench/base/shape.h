@@ -6,7 +6,6 @@
 #include <array>
 #include <cstddef>
 #include <span>
-#include <type_traits>
 #include <vector>
 
 #include "halfspace/bounds.h"
@@ -47,18 +46,6 @@ constexpr const char* NameOf(ShapeKind shape) {
 constexpr std::size_t PlaneCountOf(ShapeKind shape) {
   constexpr std::size_t kCounts[] = {6, 4, 8};
   return kCounts[static_cast<std::size_t>(shape)];
-}
-
-// A query of one shape, of its octahedron.
-template <typename Query>
-Query SeenAs(const Aabo3& query) {
-  if constexpr (std::is_same_v<Query, Aabb3>) {
-    return query.aabb();
-  } else if constexpr (std::is_same_v<Query, DownSimplex3>) {
-    return query.down();
-  } else {
-    return query;
-  }
 }
 
 // Calls f(view, query) with the shape's own view of the octahedra.

@@ -57,11 +57,8 @@ uint32_t ReadPlanes(size_t turn, const float* const* planes, size_t plane_count,
       }
     }
   }
-  HWY_ALIGN uint32_t words[bench::kReadBytes / 4];
-  hn::Store(hn::Or(hn::Or(a, b), hn::Or(c, e)), MemoryTag(), words);
-  uint32_t folded = 0;
-  for (size_t l = 0; l < hn::Lanes(MemoryTag()); ++l) folded |= words[l];
-  return folded;
+  const auto all = hn::Or(hn::Or(a, b), hn::Or(c, e));
+  return hn::GetLane(hn::MaxOfLanes(MemoryTag(), all));
 }
 
 void CopyLines(bool streamed, const uint32_t* from, uint32_t* to,

@@ -18,7 +18,7 @@ struct TargetLoops {
   std::size_t (*one_query_lanes)() = nullptr;
 
   // Reads `bytes` of each plane, `turn` bytes of each in turn: a flat kernel
-  // takes 256. Returns all words ORed, so that no read can be left out.
+  // takes 256. Returns 0 if all words are, so that no read can be left out.
   std::uint32_t (*read)(std::size_t turn, const float* const* planes,
                         std::size_t plane_count, std::size_t bytes) = nullptr;
 

@@ -61,7 +61,9 @@ struct Ratio {
   double low = 0.0;
   double high = 0.0;
 
-  Ratio Percent() const { return {100.0 * median, 100.0 * low, 100.0 * high}; }
+  Ratio Times(double factor) const {
+    return {factor * median, factor * low, factor * high};
+  }
 };
 Ratio RatioOf(const Timing& numerator, const Timing& denominator);
 // Of each pair of repetitions.

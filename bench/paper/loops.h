@@ -23,28 +23,29 @@ struct Plane {
   bool is_min;         // rejects if object > query; else if object < query
 };
 
+// Half-space `axis` of a shape with so many: the stored minimum and the query's
+// maximum, which comes after its minima; or the other way round.
+constexpr Plane MinOf(std::size_t axis, std::size_t axes) {
+  return {axis, axes + axis, true};
+}
+constexpr Plane MaxOf(std::size_t axis, std::size_t axes) {
+  return {axes + axis, axis, false};
+}
+
 // The order of the paper: a box axis by axis, an octahedron simplex by
 // simplex.
 inline constexpr std::array<Plane, 4> kSimplexOrder = {
-    {{0, 0, true}, {1, 1, true}, {2, 2, true}, {3, 3, true}}};
-inline constexpr std::array<Plane, 6> kAabbOrder = {{{0, 3, true},
-                                                     {3, 0, false},
-                                                     {1, 4, true},
-                                                     {4, 1, false},
-                                                     {2, 5, true},
-                                                     {5, 2, false}}};
-inline constexpr std::array<Plane, 8> kAaboOrder = {{{0, 4, true},
-                                                     {1, 5, true},
-                                                     {2, 6, true},
-                                                     {3, 7, true},
-                                                     {4, 0, false},
-                                                     {5, 1, false},
-                                                     {6, 2, false},
-                                                     {7, 3, false}}};
+    MinOf(0, 0), MinOf(1, 0), MinOf(2, 0), MinOf(3, 0)};
+inline constexpr std::array<Plane, 6> kAabbOrder = {MinOf(0, 3), MaxOf(0, 3),
+                                                    MinOf(1, 3), MaxOf(1, 3),
+                                                    MinOf(2, 3), MaxOf(2, 3)};
+inline constexpr std::array<Plane, 8> kAaboOrder = {
+    MinOf(0, 4), MinOf(1, 4), MinOf(2, 4), MinOf(3, 4),
+    MaxOf(0, 4), MaxOf(1, 4), MaxOf(2, 4), MaxOf(3, 4)};
 // A flat box, with its minima first.
 inline constexpr std::array<Plane, 6> kFlatAabbOrder = {
-    {kAabbOrder[0], kAabbOrder[2], kAabbOrder[4], kAabbOrder[1], kAabbOrder[3],
-     kAabbOrder[5]}};
+    MinOf(0, 3), MinOf(1, 3), MinOf(2, 3),
+    MaxOf(0, 3), MaxOf(1, 3), MaxOf(2, 3)};
 
 // A constant: no std::array function may be called from per-target code.
 template <const auto& kOrder, std::size_t kIndex>

@@ -8,18 +8,11 @@
 #include <memory>
 #include <vector>
 
+#include "bench/baselines/bounding_sphere.h"
 #include "bench/worlds/moved_clouds.h"
 #include "bench/worlds/random.h"
 
 namespace halfspace::bench {
-float RoundedDown(double value) {
-  constexpr float kFloatInfinity = std::numeric_limits<float>::infinity();
-  constexpr double kMostFloat = std::numeric_limits<float>::max();
-  if (value < -kMostFloat) return -kFloatInfinity;
-  const auto rounded = static_cast<float>(std::min(value, kMostFloat));
-  return rounded > value ? std::nextafter(rounded, -kFloatInfinity) : rounded;
-}
-
 NextPoints ScenePoints(std::uint64_t seed) {
   return [clouds = std::make_shared<MovedClouds<3>>(seed)] {
     return clouds->Next();

@@ -11,9 +11,6 @@
 
 namespace halfspace::bench {
 
-// Not above `value`: -infinity if no float is.
-float RoundedDown(double value);
-
 // Makes one object after the other: the coordinates of its points, at least
 // one, point by point. They stay until the next call.
 using NextPoints = std::function<std::span<const float>()>;

@@ -66,20 +66,17 @@ void SortBy(const Order& order, const std::vector<Center>& centers,
 }
 
 AaboWorld3 InOrder(const Order& order, const AaboWorld3& world) {
-  std::vector<Center> centers;
+  std::vector<Center> centers(world.size());
   for (std::size_t i = 0; i < world.size(); ++i) {
     const Aabo3 object = world.Get(i);
-    Center center;
     for (std::size_t k = 0; k < 3; ++k) {
-      center[k] = object.min[k] + (object.max[k] - object.min[k]) / 2;
+      centers[i][k] = object.min[k] + (object.max[k] - object.min[k]) / 2;
     }
-    centers.push_back(center);
   }
   std::vector<std::uint32_t> ids(world.size());
   std::iota(ids.begin(), ids.end(), 0u);
   if (order.is_sorted) SortBy(order, centers, 0, ids);
   AaboWorld3 sorted;
-  sorted.Reserve(ids.size());
   for (std::uint32_t id : ids) sorted.Push(world.Get(id));
   return sorted;
 }

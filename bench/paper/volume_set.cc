@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstddef>
-#include <limits>
-#include <utility>
 
 #include "bench/paper/loops.h"
 #include "bench/worlds/working_set.h"
@@ -19,81 +16,7 @@ namespace {
 // The scalar loop is slow: in large worlds it answers one query.
 constexpr std::size_t kCheckedPairs = std::size_t{1} << 20;
 
-bool IsWithinReach(const Sphere<3>& a, const Sphere<3>& b, double factor) {
-  double square = 0.0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double along = double{a.center[k]} - double{b.center[k]};
-    square += along * along;
-  }
-  const double reach = factor * (double{a.radius} + double{b.radius});
-  return square <= reach * reach;
-}
-
-// What an operation on doubles may be wrong by, several times over.
-constexpr double kDoubleSlack = 1.0 + 0x1p-49;
-
-using Middle = std::array<double, 3>;
-
-// The point farthest from a center, and the square of its distance.
-std::pair<std::size_t, double> FarthestFrom(const Middle& center,
-                                            std::span<const float> points) {
-  std::pair<std::size_t, double> farthest{0, 0.0};
-  for (std::size_t i = 0; i + 2 < points.size(); i += 3) {
-    double square = 0.0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double along = points[i + k] - center[k];
-      square += along * along;
-    }
-    if (square > farthest.second) farthest = {i, square};
-  }
-  return farthest;
-}
-
 }  // namespace
-
-Sphere<3> SphereAround(std::span<const float> points) {
-  // Badoiu and Clarkson: a step towards the farthest point, shorter each time.
-  // It begins at the middle of the box, which is right for boxes.
-  Middle center;
-  for (std::size_t k = 0; k < 3; ++k) {
-    double min = points[k];
-    double max = points[k];
-    for (std::size_t i = k; i < points.size(); i += 3) {
-      min = std::min<double>(min, points[i]);
-      max = std::max<double>(max, points[i]);
-    }
-    center[k] = 0.5 * min + 0.5 * max;
-  }
-  const std::size_t steps =
-      std::clamp<std::size_t>(6000 / points.size(), 32, 256);
-  Middle best = center;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t step = 1; step <= steps; ++step) {
-    const auto [point, square] = FarthestFrom(center, points);
-    if (square < least) {
-      least = square;
-      best = center;
-    }
-    for (std::size_t k = 0; k < 3; ++k) {
-      center[k] +=
-          (points[point + k] - center[k]) / static_cast<double>(step + 1);
-    }
-  }
-  Sphere<3> sphere;
-  for (std::size_t k = 0; k < 3; ++k) {
-    sphere.center[k] = static_cast<float>(best[k]);
-    center[k] = sphere.center[k];
-  }
-  sphere.radius = -RoundedDown(-std::sqrt(FarthestFrom(center, points).second) *
-                               kDoubleSlack);
-  return sphere;
-}
-
-Sphere<3> Inflated(const Sphere<3>& sphere) {
-  return {
-      sphere.center,
-      -RoundedDown(-sphere.radius * (1.0 + 0x1p-20) * kDoubleSlack - 0x1p-60)};
-}
 
 VolumeBounds BoundVolumes(std::span<const float> points) {
   VolumeBounds bounds;

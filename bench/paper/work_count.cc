@@ -10,17 +10,9 @@ namespace {
 
 constexpr std::size_t kWordObjects = 64;
 
-std::span<const Plane> OrderOf(ShapeKind shape) {
-  switch (shape) {
-    case ShapeKind::kAabb:
-      return kAabbOrder;
-    case ShapeKind::kSimplex:
-      return kSimplexOrder;
-    case ShapeKind::kAabo:
-      break;
-  }
-  return kAaboOrder;
-}
+// Of each shape.
+constexpr std::array<std::span<const Plane>, 3> kOrders = {
+    kAabbOrder, kSimplexOrder, kAaboOrder};
 
 // Which of 64 objects a half-space rejects by itself.
 template <bool kIsMin>
@@ -63,7 +55,7 @@ std::size_t BatchesLeft(std::span<const std::uint64_t> kept,
 void WorkCounter::Add(const Aabo3& query) {
   std::vector<std::uint64_t> kept(objects_.size / kWordObjects);
   for (ShapeKind shape : kShapes) {
-    const std::span<const Plane> order = OrderOf(shape);
+    const auto order = kOrders[static_cast<std::size_t>(shape)];
     const std::vector<const float*> planes = PlanesOf(shape, objects_);
     const std::vector<float> values = QueryOf(shape, query);
     std::fill(kept.begin(), kept.end(), ~std::uint64_t{0});

@@ -1,12 +1,12 @@
 // What to use on this machine.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
+#include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -22,70 +22,43 @@
 namespace halfspace::bench {
 namespace {
 
-// A world in three structures, each of which answers queries with lists of
-// survivors.
+// Adds a scan of floats, one of uint8, and a BVH, each of which answers queries
+// with lists of survivors. They are timed per query. Returns the survivors of a
+// query: the mean of some.
 template <typename View>
-class Structures {
- public:
-  using Query = typename View::Query;
-
-  Structures(const View& view, std::span<const Aabo3> queries, Target target,
-             const BuildOptions& build)
-      : view_(view),
-        bytes_(view),
-        bvh_(view, build),
-        target_(target),
-        found_(view.size) {
-    for (const Aabo3& query : queries) queries_.push_back(SeenAs<Query>(query));
-  }
-
-  // Adds a scan of floats, one of uint8, and a BVH. They are timed per query.
-  void AddTo(Contest& contest, const std::string& shape) {
-    contest.Add({shape, "scan", "floats"}, CaseOf(view_));
-    contest.Add({shape, "scan", "uint8"}, CaseOf(bytes_));
-    contest.Add({shape, "BVH", "floats"}, CaseOf(bvh_));
-  }
-
-  // Of a query: the mean of some.
-  double MeanSurvivors() const {
-    const std::size_t counted = std::min<std::size_t>(256, queries_.size());
-    std::size_t sum = 0;
-    for (std::size_t q = 0; q < counted; ++q) sum += CountOf(q);
-    return static_cast<double>(sum) / static_cast<double>(counted);
-  }
-
- private:
-  std::size_t CountOf(std::size_t q) const {
-    return CountSurvivors(view_, queries_[q], {.schedule = Schedule::kFlat});
-  }
-  // A query lists as many survivors as a flat scan counts, for some queries.
-  template <typename World>
-  Case CaseOf(const World& world) {
-    const auto find = [this, &world](std::size_t q) {
-      return Survivors(world, queries_[q], found_, {.target = target_});
+double AddStructures(Contest& contest, const char* shape, const View& view,
+                     std::span<const typename View::Query> queries,
+                     Target target, const BuildOptions& build) {
+  const auto found = std::make_shared<std::vector<std::uint32_t>>(view.size);
+  const auto count_of = [=](std::size_t q) {
+    return CountSurvivors(view, queries[q], {.schedule = Schedule::kFlat});
+  };
+  const auto add = [&](const char* structure, const char* precision,
+                       auto world) {
+    const auto find = [=](std::size_t q) {
+      return Survivors(*world, queries[q], *found, {.target = target});
     };
-    Case c = CaseOfQueries(queries_.size(), view_.size,
+    Case c = CaseOfQueries(queries.size(), view.size,
                            [find](std::size_t q) { std::ignore = find(q); });
-    c.check =
-        CheckOf(std::min<std::size_t>(64, queries_.size()),
-                "the survivors are not as many as a flat scan finds",
-                [this, find](std::size_t q) { return find(q) == CountOf(q); });
-    return c;
-  }
-
-  View view_;
-  QuantizedWorld<View> bytes_;
-  Bvh<View> bvh_;
-  Target target_;
-  std::vector<Query> queries_;
-  std::vector<std::uint32_t> found_;
-};
+    c.check = CheckOf(std::min<std::size_t>(64, queries.size()),
+                      "the survivors are not as many as a flat scan finds",
+                      [=](std::size_t q) { return find(q) == count_of(q); });
+    contest.Add({shape, structure, precision}, std::move(c));
+  };
+  add("scan", "floats", std::make_shared<View>(view));
+  add("scan", "uint8", std::make_shared<QuantizedWorld<View>>(view));
+  add("BVH", "floats", std::make_shared<Bvh<View>>(view, build));
+  const std::size_t counted = std::min<std::size_t>(256, queries.size());
+  std::size_t sum = 0;
+  for (std::size_t q = 0; q < counted; ++q) sum += count_of(q);
+  return static_cast<double>(sum) / static_cast<double>(counted);
+}
 
 // ---- Which bound, precision and structure.
 
 // One method to answer a query with a list of survivors.
 struct Method {
-  Row words;    // as Structures::AddTo() has them
+  Row words;    // as AddStructures() has them
   Timing time;  // of a query, with the exact test of survivors
 
   std::string name() const {
@@ -93,27 +66,22 @@ struct Method {
   }
 };
 enum Word : std::size_t { kShape, kStructure, kPrecision };
-using Methods = std::vector<Method>;
 
 // The fastest first.
-Methods MeasureMethods(Run& run, const AaboWorld3& world) {
-  const AaboView3 view = world.view();
-  const auto in = [&](const auto& of_shape) {
-    return Structures<std::decay_t<decltype(of_shape)>>(
-        of_shape, run.Measured().timed_queries, run.best(), {});
-  };
-  auto simplex = in(view.simplex());
-  auto aabb = in(view.aabb());
-  auto aabo = in(view);
+std::vector<Method> MeasureMethods(Run& run, const AaboWorld3& world) {
+  const ShapeQueries queries(run.Measured().timed_queries);
   Contest contest(run, "answers");
-  simplex.AddTo(contest, "simplex");
-  aabb.AddTo(contest, "AABB");
-  aabo.AddTo(contest, "AABO");
-  const std::array<double, 3> survivors = {
-      simplex.MeanSurvivors(), aabb.MeanSurvivors(), aabo.MeanSurvivors()};
+  std::vector<double> survivors;
+  for (ShapeKind shape :
+       {ShapeKind::kSimplex, ShapeKind::kAabb, ShapeKind::kAabo}) {
+    queries.With(shape, world.view(), [&](const auto& view, const auto& some) {
+      survivors.push_back(
+          AddStructures(contest, NameOf(shape), view, some, run.best(), {}));
+    });
+  }
   // Enough for a range that another run does not leave.
   contest.Time(run.RepetitionsOr(kGroups));
-  Methods methods;
+  std::vector<Method> methods;
   for (std::size_t i = 0; i < contest.size(); ++i) {
     methods.push_back({contest.keys(i), contest.timing(i)});
     for (double& ns : methods.back().time.samples) {
@@ -142,8 +110,8 @@ void AddAnswer(Table& table, const std::string& question,
 }
 
 // The fastest method, and the fastest of those that differ from it in a word.
-void AddMethods(Table& table, const char* question, const Methods& methods,
-                Word word) {
+void AddMethods(Table& table, const char* question,
+                const std::vector<Method>& methods, Word word) {
   const Method& best = methods.front();
   const auto other = std::find_if(
       methods.begin(), methods.end(),
@@ -177,9 +145,9 @@ Table AnswersTable(Run& run) {
   constexpr std::size_t kMostObjects = std::size_t{1} << 20;
   const AaboWorld3 world = Thinned(
       run.Measured().objects, run.is_quick() ? kMostObjects / 8 : kMostObjects);
-  const Methods methods = MeasureMethods(run, world);
+  const std::vector<Method> methods = MeasureMethods(run, world);
   AddMethods(table, "shape", methods, kShape);
-  Methods scans = methods;
+  std::vector<Method> scans = methods;
   std::erase_if(scans, [](const Method& any) {
     return any.words[kStructure].text != "scan";
   });
@@ -214,10 +182,11 @@ Row StructuresRow(Run& run, std::size_t objects) {
   const Workload scene =
       SceneOfSize(kShare, objects, run.options.seed, /*queries=*/2000);
   const AabbView3 view = scene.objects.view().aabb();
-  Structures<AabbView3> structures(view, scene.queries, run.best(), kFast);
+  std::vector<Aabb3> queries;
+  for (const Aabo3& query : scene.queries) queries.push_back(query.aabb());
   enum Job : std::size_t { kScan, kQuantized, kBvh, kEncode, kBuild };
   Contest contest(run, "structures");
-  structures.AddTo(contest, "AABB");
+  AddStructures(contest, "AABB", view, queries, run.best(), kFast);
   const auto add = [&](const char* name, auto make) {
     Case c;
     c.run = [make] { KeepResult(static_cast<std::uint32_t>(make().size())); };

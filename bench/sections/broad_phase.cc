@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "bench/base/text.h"
 #include "bench/baselines/body_space.h"
 #include "bench/sections/contest.h"
 #include "bench/worlds/body_scene.h"
@@ -58,9 +57,7 @@ void RunFrames(Run& run, BodyKind kind, std::size_t bodies, std::size_t percent,
   }
   contest.TimeOnce(run.AtMostRepetitions(bodies < 10'000 ? 5 : 3));
   contest.AddTo(table, [&](std::size_t i) -> Row {
-    const Ratio ns = SpreadOf(contest.timing(i));
-    return {Ratio{ns.median / 1e3, ns.low / 1e3, ns.high / 1e3},
-            contest.OverFastest(i)};
+    return {SpreadOf(contest.timing(i)).Times(1e-3), contest.OverFastest(i)};
   });
 }
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/inner/target_loops.h"
+#include "bench/baselines/copy.h"
 #include "bench/sections/contest.h"
 #include "bench/worlds/random.h"
 #include "bench/worlds/workload.h"
@@ -151,24 +151,11 @@ void AddBuilds(Run& run, const WorkingSetSize& size, Table& table) {
   const Shapes shapes(run.Measured(), objects);
   AaboWorld3 built;
   built.Resize(objects);
-  // A copy reads half of its bytes and writes the other half, with the widest
-  // vectors. Stores past the caches are faster or not.
-  struct alignas(64) Lines {
-    std::array<std::uint32_t, 64> words;
-  };
-  std::vector<Lines> from(objects * kBytes / 2 / sizeof(Lines));
-  std::vector<Lines> to(from.size());
-  const auto copy = LoopsFor(SupportedTargets().front()).copy;
-  const bool is_large = size.name == "memory";
+  Copy copy(objects * kBytes);
   Contest contest(run, "build/" + size.name);
   for (bool streamed : {false, true}) {
     contest.Add({Shapes::kName, "copy"},
-                CaseOfObjects(objects,
-                              [&, copy, streamed] {
-                                copy(streamed, from[0].words.data(),
-                                     to[0].words.data(),
-                                     from.size() * from[0].words.size());
-                              }),
+                CaseOfObjects(objects, [&, streamed] { copy.Run(streamed); }),
                 Who::kLimit);
   }
   for (Target target : run.targets) {
@@ -177,6 +164,7 @@ void AddBuilds(Run& run, const WorkingSetSize& size, Table& table) {
       // is computed for so long that the size of the set tells nothing more.
       constexpr bool kIsBall = std::is_same_v<Shapes, Balls>;
       constexpr bool kIsTriangle = std::is_same_v<Shapes, Triangles>;
+      const bool is_large = size.name == "memory";
       if (tightest && (kIsTriangle || (kIsBall && is_large))) continue;
       const FitOptions options{.tightest = tightest, .target = target};
       Case c = CaseOfObjects(
@@ -190,7 +178,7 @@ void AddBuilds(Run& run, const WorkingSetSize& size, Table& table) {
   contest.Time(ShareOf(run.effort));
   contest.AddTo(table, [&](std::size_t i) -> Row {
     return {contest.Median(i), kBytes / contest.Median(i),
-            RatioOf(contest.fastest(), contest.timing(i)).Percent()};
+            RatioOf(contest.fastest(), contest.timing(i)).Times(100.0)};
   });
 }
 

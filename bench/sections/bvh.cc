@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -24,7 +23,6 @@
 #include "bench/worlds/random.h"
 #include "halfspace/bvh_nearest.h"
 #include "halfspace/bvh_pairs.h"
-#include "halfspace/bvh_shapes.h"
 #include "halfspace/reject.h"
 
 namespace halfspace::bench {

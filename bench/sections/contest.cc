@@ -26,14 +26,6 @@ void Contest::Time(const Effort& effort) {
   }
 }
 
-void RunParts(Run& run, Parts& parts) {
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    run.progress.BeginPart(i, parts.size());
-    parts[i]();
-    parts[i] = nullptr;
-  }
-}
-
 std::vector<std::size_t> UpTo(std::size_t most,
                               std::vector<std::size_t> sizes) {
   std::erase_if(sizes, [most](std::size_t size) { return size > most; });

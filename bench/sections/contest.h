@@ -71,9 +71,14 @@ class Contest {
   std::size_t fastest_ = 0;  // size() without competitors
 };
 
-// The parts of a section, one after the other. Each ends with what it holds.
+// The parts of a section, one after the other.
 using Parts = std::vector<std::function<void()>>;
-void RunParts(Run& run, Parts& parts);
+inline void RunParts(Run& run, const Parts& parts) {
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    run.progress.BeginPart(i, parts.size());
+    parts[i]();
+  }
+}
 
 // The sizes up to `most`; if none, that one.
 std::vector<std::size_t> UpTo(std::size_t most, std::vector<std::size_t> sizes);

@@ -76,10 +76,10 @@ Tables RunNoise(Run& run) {
   // Quartiles of a few repetitions say little.
   contest.Time(std::max<std::size_t>(run.effort.repetitions, 9));
   const Ratio same = RatioOf(contest.timing(0), contest.timing(1));
-  run.clock().Sample();
-  const double drift = run.clock().Drift();
+  run.clock.Sample();
+  const double drift = run.clock.Drift();
   const double off = std::max(same.high - 1.0, 1.0 - same.low);
-  const Load load = run.LoadNow();
+  const Load load = run.load.Sample();
   const int cpus = run.machine.cores;
   const bool is_loaded = IsLoaded(load, cpus);
   const bool is_noisy = off > kLimit || drift > kLimit || is_loaded;

@@ -37,17 +37,12 @@ std::string CheckFileName(const std::string& name) {
   return name.empty() ? "an empty file name" : "";
 }
 
-template <typename Is>
-bool AnySection(const Is& is) {
-  const auto& sections = ThisProgram().sections;
-  return std::any_of(sections.begin(), sections.end(), is);
-}
-
 bool IsOnPage(const Section& section) { return (section.flags & kPage) != 0; }
 
 std::string CheckSection(const std::string& name) {
-  return name == kAllSections ||
-                 AnySection([&](const auto& each) { return each.name == name; })
+  return name == kAllSections || ThisProgram().HasAny([&](const auto& each) {
+    return each.name == name;
+  })
              ? ""
              : "\"" + name + "\" is not a section; --list prints them";
 }
@@ -83,11 +78,12 @@ std::string BenchOptions::Scope() const {
 
 bool BenchOptions::Wants(std::string_view section) const {
   if (is_strict && section == "noise") return true;
-  const auto has = [this](std::string_view name) {
-    return std::find(details.begin(), details.end(), name) != details.end();
-  };
-  if (!details.empty()) return has(section) || has(kAllSections);
-  return AnySection([section](const Section& each) {
+  if (!details.empty()) {
+    return std::any_of(details.begin(), details.end(), [&](const auto& each) {
+      return each == section || each == kAllSections;
+    });
+  }
+  return ThisProgram().HasAny([section](const Section& each) {
     return each.name == section && IsOnPage(each);
   });
 }
@@ -183,10 +179,10 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
     options.command += (i == 1 ? "" : " ") + std::string(argv[i]);
   }
   // A program without a page runs all of its sections.
-  if (options.details.empty() && !AnySection(IsOnPage)) {
+  if (options.details.empty() && !ThisProgram().HasAny(IsOnPage)) {
     options.details.emplace_back(kAllSections);
   }
-  options.format = format == "json" ? Format::kJson : Format::kText;
+  options.is_json = format == "json";
   return true;
 }
 

@@ -14,8 +14,6 @@ namespace halfspace::bench {
 
 inline constexpr std::string_view kAllSections = "all";
 
-enum class Format { kText, kJson };
-
 struct BenchOptions {
   std::string command;  // as it was typed
   bool is_quick = false;
@@ -32,7 +30,7 @@ struct BenchOptions {
   std::size_t repetitions = 0;
   std::optional<double> exact_ns;  // empty: that of a triangle pair, measured
   bool is_strict = false;
-  Format format = Format::kText;
+  bool is_json = false;
   std::string out;
   bool is_list = false;
 
@@ -42,12 +40,6 @@ struct BenchOptions {
 
   bool Wants(std::string_view section) const;
 };
-
-inline constexpr int kExitOk = 0;
-inline constexpr int kExitWrongAnswer = 1;
-inline constexpr int kExitUsage = 2;
-inline constexpr int kExitBadInput = 3;
-inline constexpr int kExitFailed = 4;
 
 // What is wrong with the command line, and what to do.
 class UsageError : public std::runtime_error {

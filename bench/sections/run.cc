@@ -1,6 +1,7 @@
 #include "bench/sections/run.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "bench/base/text.h"
@@ -16,13 +17,10 @@ constexpr std::size_t kQuickObjects = std::size_t{1} << 19;
 std::vector<Target> TargetsOf(const BenchOptions& options) {
   if (!options.target.empty()) return {TargetByName(options.target)};
   // One of each name: the best of the AVX-512 targets, which comes first.
+  const auto all = SupportedTargets();
   std::vector<Target> targets;
-  for (Target target : SupportedTargets()) {
-    const bool is_new = std::none_of(
-        targets.begin(), targets.end(),
-        [target](Target other) { return NameOf(other) == NameOf(target); });
-    if (is_new) targets.push_back(target);
-  }
+  std::unique_copy(all.begin(), all.end(), std::back_inserter(targets),
+                   [](Target a, Target b) { return NameOf(a) == NameOf(b); });
   return targets;
 }
 
@@ -57,13 +55,10 @@ Run::Run(const BenchOptions& run_options, std::optional<Workload> input,
 }
 
 bool Run::NeedsScene() const {
-  return std::any_of(
-      ThisProgram().sections.begin(), ThisProgram().sections.end(),
-      [this](const Section& section) {
-        const bool needs = (section.flags & kPaperScene) != 0 ||
-                           (!input_ && (section.flags & kScene) != 0);
-        return needs && options.Wants(section.name);
-      });
+  return ThisProgram().HasAny([this](const Section& section) {
+    const unsigned needing = kPaperScene | (input_ ? 0 : kScene);
+    return (section.flags & needing) != 0 && options.Wants(section.name);
+  });
 }
 
 Target Run::best() const {
@@ -151,8 +146,7 @@ ExactTest Run::TheExactTest() {
 
 std::size_t Run::VerdictGroups() const {
   // An odd number has a median that is one of them.
-  return options.repetitions == 0 ? kGroups
-                                  : std::min(kGroups, options.repetitions | 1);
+  return std::min(kGroups, RepetitionsOr(kGroups) | 1);
 }
 
 void Run::AddVerdictGroup() {

@@ -46,6 +46,9 @@ class Run {
   Machine machine;
   std::vector<Target> targets;  // the best first
   Effort effort;
+  // What other programs take, from the begin of the run on.
+  LoadProbe load;
+  ClockProbe clock;
 
   bool is_page() const { return options.details.empty(); }
   bool is_quick() const { return options.is_quick; }
@@ -98,10 +101,6 @@ class Run {
   // One more group of it, unless there are enough.
   void AddVerdictGroup();
 
-  ClockProbe& clock() { return clock_; }
-  // What other programs took since the run began.
-  Load LoadNow() const { return load_.Sample(); }
-
   // What RunThreads() leaves for the answers.
   Table threads;
 
@@ -111,8 +110,6 @@ class Run {
 
   std::optional<Workload> input_;
   Workload scene_;
-  LoadProbe load_;
-  ClockProbe clock_;
   std::optional<ExactTest> exact_test_;
   std::map<std::string, WorkingSet> sets_;
   std::unique_ptr<Verdict> verdict_;
@@ -142,6 +139,11 @@ struct Program {
   const char* name;
   const char* what;  // for --help
   std::span<const Section> sections;
+
+  template <typename Is>
+  bool HasAny(const Is& is) const {
+    return std::any_of(sections.begin(), sections.end(), is);
+  }
 };
 
 // The one that is linked: its sections.cc defines it.

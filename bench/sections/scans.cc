@@ -50,15 +50,8 @@ void AddRows(Run& run, WorkingSet& set, ShapeKind shape, Table& table) {
   const double bytes = static_cast<double>(PlaneCountOf(shape) * sizeof(float));
   contest.AddTo(table, [&](std::size_t i) -> Row {
     return {SpreadOf(contest.timing(i)), bytes / contest.Median(i),
-            RatioOf(contest.fastest(), contest.timing(i)).Percent()};
+            RatioOf(contest.fastest(), contest.timing(i)).Times(100.0)};
   });
-}
-
-Kernels<float>::OfBound KernelsFor(ShapeKind shape, Target target) {
-  const Kernels<float>& kernels = KernelsOf<float>(target);
-  return shape == ShapeKind::kAabb      ? kernels.boxes3
-         : shape == ShapeKind::kSimplex ? kernels.simplices3
-                                        : kernels.octahedra3;
 }
 
 void AddTierRows(Run& run, WorkingSet& set, ShapeKind shape, Target target,
@@ -93,7 +86,10 @@ void AddTierRows(Run& run, WorkingSet& set, ShapeKind shape, Target target,
                 std::move(c), who);
   };
   add("by hand", unchecked(by_hand), Who::kCompetitor);
-  add("kernels.h", unchecked(KernelsFor(shape, target).one));
+  const Kernels<float>& kernels = KernelsOf<float>(target);
+  const PerShape<LoopByHand> loops{kernels.boxes3.one, kernels.simplices3.one,
+                                   kernels.octahedra3.one};
+  add("kernels.h", unchecked(loops.Of(shape)));
   add("reject.h", checked);
   contest.Time();
   contest.AddTo(table, [&](std::size_t i) -> Row {
@@ -227,12 +223,9 @@ Tables RunTier(Run& run) {
 // Survivors of the three shapes.
 Tables RunQuality(Run& run) {
   const Workload& workload = run.Measured();
-  const AaboView3 view = workload.objects.view();
   PerShape<std::size_t> survivors;
-  double done = 0.0;
   for (const Aabo3& query : workload.queries) {
-    AddSurvivors(view, query, survivors);
-    run.progress.Update(++done / static_cast<double>(workload.queries.size()));
+    AddSurvivors(workload.objects.view(), query, survivors);
   }
   Table table{"quality",
               "survivors in " + workload.name,

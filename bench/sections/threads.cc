@@ -7,7 +7,6 @@
 #include <system_error>
 #include <vector>
 
-#include "bench/base/shape.h"
 #include "bench/base/text.h"
 #include "bench/measure/machine.h"
 #include "bench/measure/team.h"

@@ -56,9 +56,8 @@ std::string FromText(const Ratio& from, std::span<const double> sizes) {
 std::vector<std::string> LeadOf(const Verdict& verdict, double exact_ns) {
   // "  AVX2, 8       " and what is measured of it.
   const auto line = [&](std::size_t c, bool is_exact) {
-    constexpr std::size_t kWidth = 16;
     std::string name = "  " + verdict.columns()[c].name + " ";
-    name.resize(std::max(kWidth, name.size()), ' ');
+    name.resize(std::max<std::size_t>(16, name.size()), ' ');
     if (verdict.is_of_file()) {
       const double exact = is_exact ? exact_ns : 0.0;
       return name + RatioText(verdict.worlds()[0].BoxOverSimplex(c, exact));
@@ -101,8 +100,7 @@ Table TableOf(Run& run, std::string name, std::string title, double exact_ns) {
   }
   if (verdict.is_of_file()) {
     const std::size_t own = run.input()->objects.size();
-    const std::size_t all = verdict.worlds()[0].objects;
-    if (own < all) {
+    if (const std::size_t all = verdict.worlds()[0].objects; own < all) {
       table.notes.push_back("The file has " + Grouped(own) +
                             " objects. They are repeated up to " +
                             Grouped(all) + ", which fill half of L2.");
@@ -284,8 +282,7 @@ Verdict::Verdict(Run& run)
          target});
     if (target == run.best()) best_column_ = columns_.size() - 1;
   }
-  if (run.options.repetitions == 0) effort_.repetitions = kRepetitions;
-  effort_.repetitions = std::min(effort_.repetitions, kRepetitions);
+  effort_.repetitions = std::min(kRepetitions, run.RepetitionsOr(kRepetitions));
   effort_.seconds_per_repetition /= 6.0;
   size_ = WorkingSetSizes(run.machine)[1];
   if (run.input() != nullptr) sizes_ = {0.0};
