@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "dispatch/targets/chosen_target.h"
 #include "halfspace/reject_many.h"
 #include "tests/library/support/calls.h"
 #include "tests/library/support/expect_invalid.h"
@@ -93,7 +94,10 @@ const std::vector<Output> kOutputs = {
 
 class RejectErrorsTest : public ::testing::TestWithParam<FlatCase> {
  protected:
+  // As after a first call that succeeded: a call that has to find the target
+  // checks everything.
   RejectErrorsTest() {
+    dispatch::IndexOf({}, "RejectErrorsTest");
     for (std::size_t p = 0; p < kind_.seen.plane_count; ++p) {
       planes_[p] = Plane(p);
     }
