@@ -142,6 +142,7 @@ inline void Prepare(detail::Scan& scan, const Options& options,
     target = CheckEach(scan, options, output_of(scan.end - scan.begin));
   }
   scan.kernels = *type.all_kernels + target;
+  scan.is_wide = WideVectorsPay();
 }
 inline void Prepare(detail::Scan& scan, const Options& options,
                     const char* call) {
@@ -160,7 +161,6 @@ inline void ChooseKernel(detail::Scan& scan, const Options& options) {
       (scan.end - scan.begin) * type.record_bytes > kInCacheBytes &&
       scan.query_count == 1 && StreamingPays();
   if (scan.is_streaming) scan.kernel = kStreamingKernelOf[scan.kernel];
-  scan.is_wide = WideVectorsPay();
 }
 
 // Writes the words of one query on the objects of the range, on all planes at
@@ -169,8 +169,8 @@ inline void WriteFlatMask(const detail::Scan& scan, std::uint64_t* words) {
   const auto& masks = scan.type->flat == detail::kMinima
                           ? scan.kernels->mask_of_minima
                           : scan.kernels->mask_of_all;
-  masks[WideVectorsPay()](scan.planes, scan.begin, scan.end - scan.begin,
-                          scan.queries, words);
+  masks[scan.is_wide](scan.planes, scan.begin, scan.end - scan.begin,
+                      scan.queries, words);
 }
 
 // Whether WriteFlatMask() is how a scan of floats or doubles is tested.

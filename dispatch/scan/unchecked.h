@@ -72,6 +72,7 @@ class Unchecked {
     scan.queries = queries;
     scan.query_count = count;
     scan.kernels = kernels;
+    scan.is_wide = WideVectorsPay();
     scan.begin = 0;
     scan.end = n;
     return scan;

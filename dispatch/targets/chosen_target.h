@@ -1,4 +1,5 @@
-// The index of a target in every table of kernels.
+// The index of a target in every table of kernels, and the vectors that it uses
+// for one query.
 #ifndef HALFSPACE_DISPATCH_TARGETS_CHOSEN_TARGET_H_
 #define HALFSPACE_DISPATCH_TARGETS_CHOSEN_TARGET_H_
 
@@ -42,7 +43,8 @@ inline std::size_t IndexOf(Target target, const char* call) {
 }
 
 // Whether vectors of 512 bits are the faster ones for one query
-// (detect_targets.h). Known when a target was resolved.
+// (detect_targets.h). False until a target was resolved: a thread that reads an
+// old value gets the same words, only slower.
 extern std::atomic<bool> wide_vectors_pay;
 inline bool WideVectorsPay() {
   return wide_vectors_pay.load(std::memory_order_relaxed);

@@ -57,6 +57,12 @@ bool IsAmd(const Registers& leaf0) {
          leaf0.ecx == 0x444d4163;
 }
 
+// "GenuineIntel"
+bool IsIntel(const Registers& leaf0) {
+  return leaf0.ebx == 0x756e6547 && leaf0.edx == 0x49656e69 &&
+         leaf0.ecx == 0x6c65746e;
+}
+
 X86Machine ReadMachine() {
   const Registers leaf0 = Cpuid(0);  // in eax the highest leaf
   const Registers leaf1 = Cpuid(1);
@@ -76,6 +82,7 @@ X86Machine ReadMachine() {
   // OSXSAVE: xgetbv is allowed
   if (HasBits(machine.leaf1_ecx, {27})) machine.xcr0 = Xcr0();
   machine.is_amd = IsAmd(leaf0);
+  machine.is_intel = IsIntel(leaf0);
   return machine;
 }
 

@@ -76,10 +76,8 @@ constexpr detail::TargetKernels MakeHalfSpaceKernels() {
   kernels.nonzero_words = &FindNonzeroWords;
   kernels.count_bits = &CountBits;
   for (detail::Kernel& kernel : kernels.run) kernel = &HalfSpaceRow;
-  for (size_t is_wide : {0, 1}) {
-    kernels.mask_of_minima[is_wide] = &HalfSpaceMask;
-    kernels.mask_of_all[is_wide] = &HalfSpaceMask;
-  }
+  kernels.mask_of_minima[0] = kernels.mask_of_minima[1] = &HalfSpaceMask;
+  kernels.mask_of_all[0] = kernels.mask_of_all[1] = &HalfSpaceMask;
   kernels.few_objects = kernels.few_octahedra = detail::kFewObjects;
   return kernels;
 }

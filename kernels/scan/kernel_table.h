@@ -46,7 +46,8 @@ using MaskKernel = void (*)(const void* planes, std::size_t begin,
 
 struct TargetKernels {
   Kernel run[kScanKernels];
-  // The second of each is with vectors of 512 bits, if the target has them.
+  // By Scan::is_wide: with AVX-512 the second uses vectors of 512 bits. On
+  // other targets both are the same.
   MaskKernel mask_of_minima[2];  // of a simplex
   MaskKernel mask_of_all[2];     // of the other shapes
   // Up to so many objects mask_of_all is as fast as stages: boxes, octahedra.

@@ -8,6 +8,7 @@
 #include <ios>
 #include <vector>
 
+#include "dispatch/targets/chosen_target.h"
 #include "halfspace/targets.h"
 #include "hwy/highway.h"
 #include "hwy/targets.h"
@@ -167,13 +168,15 @@ TEST(DetectTargetsTest, StreamingPaysOnZen4Only) {
 
 TEST(DetectTargetsTest, WideVectorsPayOnIntelFromIceLakeOn) {
   X86Machine machine = EveryX86();
-  machine.is_amd = false;
+  machine.is_intel = true;
   EXPECT_TRUE(WideVectorsPayOn(machine));
   machine.leaf7_ecx &= ~(std::uint32_t{1} << 6);  // VBMI2: before Ice Lake
   EXPECT_FALSE(WideVectorsPayOn(machine));
   machine = EveryX86();
-  machine.is_amd = true;
   EXPECT_FALSE(WideVectorsPayOn(machine));
+  // What calls read.
+  ResolveIndex({}, "detect_targets_test");
+  EXPECT_EQ(WideVectorsPay(), DetectWideVectorsPay());
 }
 
 TEST(DetectTargetsTest, EachFeatureOfAarch64) {
