@@ -4,22 +4,15 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "bench/inner/target_loops.cc"
-#include "dispatch/targets/detect_targets.h"
 #include "hwy/cache_control.h"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep
 #include "hwy/highway.h"
-
-// After foreach_target.h, which decides what it is compiled for.
-#include "halfspace/detail/word-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
 namespace HWY_NAMESPACE {
 
-size_t OneQueryLanes() {
-  return dispatch::DetectWideVectorsPay() ? hn::Lanes(WordTag<float>())
-                                          : hn::Lanes(OneTag<float>());
-}
+namespace hn = hwy::HWY_NAMESPACE;
 
 using MemoryTag = hn::CappedTag<uint32_t, 64>;
 using Words = hn::Vec<MemoryTag>;
@@ -86,8 +79,7 @@ TargetLoops LoopsOf();
 
 template <>
 TargetLoops LoopsOf<HWY_TARGET>() {
-  return {.one_query_lanes = &HWY_NAMESPACE::OneQueryLanes,
-          .read = &HWY_NAMESPACE::ReadPlanes,
+  return {.read = &HWY_NAMESPACE::ReadPlanes,
           .copy = &HWY_NAMESPACE::CopyLines};
 }
 

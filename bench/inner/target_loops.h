@@ -14,9 +14,6 @@ namespace halfspace::bench {
 inline constexpr std::size_t kReadBytes = 256;
 
 struct TargetLoops {
-  // Of the vectors that test floats for one query in the library.
-  std::size_t (*one_query_lanes)() = nullptr;
-
   // Reads `bytes` of each plane, `turn` bytes of each in turn: a flat kernel
   // takes 256. Returns 0 if all words are, so that no read can be left out.
   std::uint32_t (*read)(std::size_t turn, const float* const* planes,

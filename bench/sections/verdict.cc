@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "bench/base/text.h"
-#include "bench/inner/target_loops.h"
 #include "bench/measure/groups.h"
 #include "bench/report/table.h"
 #include "bench/sections/contest.h"
@@ -202,9 +201,10 @@ double BestTime(std::span<const std::vector<double>> samples) {
 }
 
 Cell Marked(const Ratio& box_over_simplex) {
-  constexpr Flag kFlags[] = {Flag::kWinner, Flag::kNone, Flag::kTie};
+  constexpr Flag kOutcomes[] = {Flag::kWinner, Flag::kNone, Flag::kTie};
   const Winner winner = WinnerOf(box_over_simplex);
-  return Cell(box_over_simplex).With(kFlags[static_cast<std::size_t>(winner)]);
+  return Cell(box_over_simplex)
+      .With(kOutcomes[static_cast<std::size_t>(winner)]);
 }
 
 std::string VerdictWorld::name() const {
@@ -276,7 +276,7 @@ Verdict::Verdict(Run& run)
   // The narrowest first.
   for (std::size_t t = run.targets.size(); t-- > 0;) {
     const Target target = run.targets[t];
-    const std::size_t lanes = LoopsFor(target).one_query_lanes();
+    const std::size_t lanes = target.one_query_lanes();
     columns_.push_back(
         {NameOf(target) + (lanes == 1 ? "" : ", " + std::to_string(lanes)),
          target});

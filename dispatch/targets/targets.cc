@@ -167,6 +167,14 @@ std::size_t Target::lanes() const {
   return lanes;
 }
 
+std::size_t Target::one_query_lanes() const {
+#if HWY_ARCH_X86
+  if (!dispatch::DetectWideVectorsPay())
+    return std::min<std::size_t>(lanes(), 8);
+#endif
+  return lanes();
+}
+
 Span<const Target> CompiledTargets() {
   static const dispatch::TargetList list(HWY_TARGETS);
   return list.span();

@@ -30,6 +30,10 @@ class Target {
   // supported here.
   HALFSPACE_API std::size_t lanes() const;
 
+  // The same of the vectors that test one query on more than 64 objects. With
+  // AVX-512 they have 8 or 16 lanes, whichever is faster on this CPU.
+  HALFSPACE_API std::size_t one_query_lanes() const;
+
   // Returns Highway's bit (HWY_AVX2 and so on), or 0 for a default handle. The
   // meaning of a bit can change with the version of Highway. Do not store it:
   // store the name.

@@ -92,6 +92,9 @@ TEST(TargetsTest, LanesAreThoseOfTheInstructionSet) {
     } else {
       EXPECT_GE(target.lanes(), 4u) << target.name();
     }
+    EXPECT_TRUE(target.one_query_lanes() == target.lanes() ||
+                (target.lanes() == 16 && target.one_query_lanes() == 8))
+        << target.name();
   }
   EXPECT_EQ(Target().lanes(), 0u);
 }
