@@ -18,8 +18,8 @@
 namespace halfspace::bench {
 namespace {
 
-// The world of the verdict whose objects take 2 % of the side, as the paper's;
-// that of a file.
+// The world of the verdict whose objects take 2 % of the side, as the paper's
+// do. A file has only one world.
 const VerdictWorld& TypicalOf(const Verdict& verdict) {
   const VerdictWorld* typical = &verdict.worlds()[0];
   for (const VerdictWorld& world : verdict.worlds()) {
@@ -156,7 +156,7 @@ Table AdvantageTable(Run& run, const VerdictWorld& typical,
       ns.Time();
       std::vector<double> saved = ns.timing(0).samples;
       for (std::size_t s = 0; s < saved.size(); ++s) {
-        // Without half-spaces, that of the exact tests.
+        // With no half-spaces, advantage() is what the exact tests save.
         saved[s] += advantage(0.0, 0.0) - ns.timing(1).samples[s];
       }
       row.back() = RangeOf(saved);

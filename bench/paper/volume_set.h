@@ -81,7 +81,7 @@ class VolumeSet {
   // Calls f(view, query) with the objects' bounds, unless they are spheres.
   template <typename F>
   void With(Volume volume, const VolumeBounds& query, F f) const;
-  // Whether the mask is that of a scalar loop.
+  // Whether a scalar loop gives the same mask.
   bool IsRight(Volume volume, const VolumeBounds& query) const;
 
   std::vector<VolumeBounds> objects_;

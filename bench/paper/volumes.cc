@@ -84,7 +84,7 @@ void AddDimension(Run& run, std::size_t bytes, Table& table) {
   const Target target = run.best();
   std::vector<std::uint64_t> mask(MaskWords(view.size));
   std::vector<std::uint64_t> expected(mask.size());
-  // Calls f(view, query) with those of a shape.
+  // Calls f(view, query) with the objects and query q as bounds of a shape.
   const auto with = [&](ShapeKind shape, std::size_t q, auto f) {
     WithShape(shape, view, scene.queries[q], f);
   };

@@ -38,8 +38,8 @@ Point3 MiddleOf(const Aabb3& box) {
   return middle;
 }
 
-// What bulk builders bound, where the objects of a workload lie: of each kind
-// the bytes of a shape, its builder, and that of a single shape of fit.h.
+// Shapes for the bulk builders, where the objects of a workload lie. Each kind
+// has the bytes of a shape, its bulk builder, and the builder of fit.h for one.
 struct Boxes {
   static constexpr const char* kName = "boxes";
   static constexpr std::size_t kBytes = sizeof(Aabb3);

@@ -123,8 +123,8 @@ bool ParseOptions(int argc, char** argv, BenchOptions& options) {
       ->excludes(mesh);
   auto* query_bounds =
       add_file("--query-bounds", options.query_bounds, "FILE.csv",
-               "Query with these boxes, not with those of --mesh\n"
-               "or --bounds");
+               "Query with these boxes instead of the boxes of\n"
+               "--mesh or --bounds");
   add("--query-size", options.query_size, "PERCENT",
       "Query with random boxes whose sides are this\n"
       "percentage of the sides of the box around --mesh or\n"

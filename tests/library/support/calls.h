@@ -101,8 +101,8 @@ inline void ForEachManyCall(const AnyWorld& world, const AnyQueries& queries,
     detail::ForEachTile(asked(), &decltype(call)::Run, &call, options);
   });
 }
-// Each call refuses, also those of one query, in its own name, and writes
-// nothing.
+// Expects that every call, of one query and of several, refuses in its own name
+// and writes nothing.
 inline void ExpectAllRefuse(const AnyWorld& world, const AnyQueries& queries,
                             const Options& options, std::string_view argument,
                             std::string_view expected, std::string_view given) {

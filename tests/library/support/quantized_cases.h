@@ -125,8 +125,8 @@ inline std::vector<float> MakeQuantizedValues(const detail::PlaneLayout& layout,
   return values;
 }
 
-// Queries that a part of the bounds survive. Where one may reject, its value is
-// that of one of them, a neighbour of it, or special.
+// Queries that a part of the bounds survive. A value that may reject is the
+// value of a bound, a neighbour of it, or a special value.
 inline std::vector<float> MakeQuantizedQueries(
     const detail::PlaneLayout& layout, const std::vector<float>& bounds,
     std::size_t count, Random& random) {
