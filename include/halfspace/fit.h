@@ -33,8 +33,8 @@
 // raise exception flags, and clears none.
 //
 // Cost: tens to hundreds of ns, about 5 ns per point of a set, and about 20 us
-// for a frustum (`./bench.sh --details build`; docs/exactness.md has tables).
-// Doubles take up to twice as long, and up to four times in pieces and frusta.
+// for a frustum (`./bench.sh --details build`). Doubles take up to twice as
+// long, and up to four times in pieces and frusta.
 //
 // Source: "The Bounding Simplex", for the axes. The outward rounding is this
 // library's own.

@@ -27,7 +27,7 @@
 // floating-point mode are as in fit.h.
 //
 // Cost: tens of ns, and about 100 ns for BoundTransformed
-// (`./bench.sh --details build`; docs/exactness.md has tables).
+// (`./bench.sh --details build`).
 //
 // Source: "The Bounding Simplex", for the axes. The outward rounding is this
 // library's own (docs/exactness.md).
