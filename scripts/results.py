@@ -180,12 +180,10 @@ def filled(text, runs):
 def page(runs):
     """docs/results.md: which runs there are."""
     text = ("# Results\n\n`scripts/results.py` makes this page from the runs in "
-            "[bench/results](../bench/results). Their JSON has all tables. This draws one of them "
-            "as a page of tables and charts:\n\n"
-            "    bench/cpuinfo-bench-report bench/results/epyc-zen3.json >page.html\n\n"
-            "The figures of the other pages come from these runs. [The tool](cpuinfo-bench.md) "
-            "describes how it measures. There is one run for each CPU. It shows the library of "
-            "its date, which can be older than that of another run.\n\n"
+            "[bench/results](../bench/results). The figures of the other pages come from these "
+            "runs. [The tool](cpuinfo-bench.md) measures them, and draws them as pages of all "
+            "their tables. There is one run for each CPU. It shows the library of its date, "
+            "which can be older than that of another run.\n\n"
             "| run | machine | halfspace | sections |\n|---|---|---|---|\n")
     for name, run in runs.items():
         context = run["context"]
