@@ -9,11 +9,13 @@ import secrets
 from typing import BinaryIO, Callable
 
 
-def replace(path: str, write: Callable[[BinaryIO], object]) -> None:
+def replace(
+    path: str, write: Callable[[BinaryIO], object], is_synced: bool = True
+) -> None:
     """Writes a file by `write(file)`, and then gives it the name `path`.
 
-    A failure leaves an older file as it was, and so does a crash of the machine.
-    Only a regular file is replaced.
+    A failure leaves an older file as it was, and so does a crash of the machine
+    if the file is synced. Only a regular file is replaced.
     """
     if os.path.exists(path) and not os.path.isfile(path):
         # The numbers of the C library.
@@ -27,8 +29,8 @@ def replace(path: str, write: Callable[[BinaryIO], object]) -> None:
             with file:
                 write(file)
                 file.flush()
-                # The bytes are on the disk before the new name is.
-                os.fsync(file.fileno())
+                if is_synced:  # the bytes are on the disk before the new name is
+                    os.fsync(file.fileno())
             os.replace(temporary, path)
         except BaseException:
             with contextlib.suppress(OSError):

@@ -392,6 +392,10 @@ def test_partitions_share_skewed_work(client):
     for balance in ("objects", "pairs"):
         sizes = hd.BVH(chunked(boxes, 5000), partitions=8, balance=balance).sizes.compute()
         assert sizes.max() < 1.5 * 20000 / 8 * (2 if balance == "pairs" else 1)
+    # Each box overlaps about 8 others, and hardly two boxes of a sample overlap.
+    even = uniform(rng, 100000, size=0.04)
+    sizes = hd.BVH(chunked(even, 25000), partitions=4).sizes.compute()
+    assert sizes.max() < 1.2 * 100000 / 4
     # A dense knot has nearly all pairs: it becomes more partitions by pairs.
     knot = uniform(rng, 20000, size=0.001)
     knot[:2000] = uniform(rng, 2000, size=0.2) * 0.1
