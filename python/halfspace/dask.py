@@ -457,7 +457,7 @@ def _of_chunk(found: tuple, chunk: int) -> tuple:
     return tuple(column[some] for column in found)
 
 
-def _sum_up(lengths: list) -> list:
+def _sum_up(lengths: typing.Iterable) -> list:
     return list(itertools.accumulate(lengths, initial=0))
 
 

@@ -1,8 +1,10 @@
 #include "columns.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <new>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -49,6 +51,72 @@ std::ptrdiff_t FirstBadBoxOf(const hs_columns& boxes, std::size_t dims,
     if (!is_good && !is_empty) return static_cast<std::ptrdiff_t>(i);
   }
   return -1;
+}
+
+// The order of records by cells of a grid, along a Z-order curve. All cells of
+// an axis have about equal numbers of records, so that a few records far away
+// do not leave all others in one cell.
+template <typename Scalar>
+std::vector<std::uint32_t> OrderByPlace(const Columns& records,
+                                        std::size_t dims) {
+  constexpr std::size_t kSample = 1024;
+  constexpr std::size_t kMostCells = 256;
+  const std::size_t bits = dims == 2 ? 8 : 5;
+  const std::size_t cells = std::size_t{1} << bits;
+  std::vector<std::uint16_t> keys(records.count);
+  for (std::size_t k = 0; k < dims; ++k) {
+    const auto* const values = static_cast<const Scalar*>(records.column[k]);
+    std::array<Scalar, kSample> sample;
+    for (std::size_t i = 0; i < kSample; ++i) {
+      const Scalar value = values[i * records.count / kSample * records.stride];
+      sample[i] = value == value ? value : 0;
+    }
+    std::sort(sample.begin(), sample.end());
+    std::array<Scalar, kMostCells> limits;  // the greatest value of each cell
+    std::array<std::uint16_t, kMostCells> keys_of{};
+    for (std::size_t cell = 0; cell < cells; ++cell) {
+      limits[cell] = sample[(cell + 1) * kSample / cells - 1];
+      for (std::size_t bit = 0; bit < bits; ++bit) {
+        keys_of[cell] |= (cell >> bit & 1) << (dims * bit + k);
+      }
+    }
+    for (std::size_t i = 0; i < records.count; ++i) {
+      const Scalar value = values[i * records.stride];
+      std::size_t cell = 0;
+      for (std::size_t half = cells / 2; half > 0; half /= 2) {
+        cell += value > limits[cell + half - 1] ? half : 0;
+      }
+      keys[i] |= keys_of[cell];
+    }
+  }
+  std::vector<std::uint32_t> ends((std::size_t{1} << dims * bits) + 1);
+  for (const std::uint16_t key : keys) ++ends[key + 1];
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  std::vector<std::uint32_t> order(records.count);
+  for (std::size_t i = 0; i < records.count; ++i) {
+    order[ends[keys[i]]++] = static_cast<std::uint32_t>(i);
+  }
+  return order;
+}
+
+template <typename Scalar>
+hs_columns CopyOf(const Columns& records, std::size_t first, std::size_t count,
+                  std::vector<double>& copy) {
+  copy.resize(records.size * count);
+  auto* const to = reinterpret_cast<Scalar*>(copy.data());
+  hs_columns result{};
+  result.type = records.type;
+  result.count = count;
+  result.stride = records.size;
+  for (std::size_t v = 0; v < records.size; ++v) {
+    const auto* const from = static_cast<const Scalar*>(records.column[v]);
+    result.column[v] = to + v;
+    for (std::size_t i = 0; i < count; ++i) {
+      to[records.size * i + v] =
+          from[records.order[first + i] * records.stride];
+    }
+  }
+  return result;
 }
 
 }  // namespace
@@ -103,6 +171,19 @@ hs_columns Columns::Rows(std::size_t first, std::size_t most) const {
         static_cast<const char*>(column[k]) + first * stride * BytesOf(*this);
   }
   return rows;
+}
+
+void Columns::SortByPlace(std::size_t dims) {
+  order = type == HS_FLOAT64 ? OrderByPlace<double>(*this, dims)
+                             : OrderByPlace<float>(*this, dims);
+}
+
+hs_columns Columns::Part(std::size_t first, std::size_t most,
+                         std::vector<double>& copy) const {
+  if (order.empty()) return Rows(first, most);
+  const std::size_t some = std::min(most, count - first);
+  return type == HS_FLOAT64 ? CopyOf<double>(*this, first, some, copy)
+                            : CopyOf<float>(*this, first, some, copy);
 }
 
 hs_columns BoxIn(const py::array& array, std::size_t dims) {

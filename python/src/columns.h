@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
+#include <vector>
 
 namespace halfspace::python {
 
@@ -51,7 +52,21 @@ struct Columns : hs_columns {
   // Records `first` ... `first` + `most` - 1, as far as there are any.
   hs_columns Rows(std::size_t first, std::size_t most) const;
 
+  // Fills `order`, by the first `dims` columns: records that are near each
+  // other become neighbors. Queries in this order find in the cache what the
+  // ones before them read.
+  void SortByPlace(std::size_t dims);
+
+  // Rows() in that order. `copy` then has them.
+  hs_columns Part(std::size_t first, std::size_t most,
+                  std::vector<double>& copy) const;
+  // The record that is at place i of the order.
+  std::size_t RowAt(std::size_t i) const {
+    return order.empty() ? i : order[i];
+  }
+
   std::size_t size = 0;  // columns
+  std::vector<std::uint32_t> order;
 };
 
 // Throws the error of a call whose arrays _arrays.py has not prepared.

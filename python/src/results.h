@@ -9,6 +9,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -53,20 +55,8 @@ struct Results {
   std::size_t room;
 };
 
-// Returns where the items of each part begin in the list of all items, and then
-// the number of all items.
-template <typename Item>
-std::vector<std::size_t> OffsetsOf(
-    const std::vector<std::vector<Item>>& lists) {
-  std::vector<std::size_t> offsets{0};
-  offsets.reserve(lists.size() + 1);
-  for (const auto& list : lists)
-    offsets.push_back(offsets.back() + list.size());
-  return offsets;
-}
-
-// Calls run(some, first, thread) for the queries of each part, of which `first`
-// is the first, without the interpreter's lock.
+// Calls run(some, first, thread) for the queries of each part, which are at the
+// places from `first` on of their order, without the interpreter's lock.
 template <typename Run>
 void ForEachPart(const Columns& queries, std::size_t in_part, Work& work,
                  const Run& run) {
@@ -75,47 +65,49 @@ void ForEachPart(const Columns& queries, std::size_t in_part, Work& work,
   work.Run(PartsOf(queries.count, in_part),
            [&](std::size_t part, std::size_t thread) {
              const std::size_t first = part * in_part;
-             run(queries.Rows(first, in_part), first, thread);
+             std::vector<double> copy;
+             run(queries.Part(first, in_part, copy), first, thread);
            });
 }
 
-// Returns an array of shape (2, n) whose first row is filled: the numbers of
-// the queries, where the results of query i end at ends[i].
-inline Ids RowsOf(const std::vector<std::size_t>& ends, Work& work) {
-  constexpr std::size_t kInPart = 65536;
-  const std::size_t found = ends.empty() ? 0 : ends.back();
-  Ids ids(std::vector<std::size_t>{2, found});
-  std::int64_t* const rows = ids.mutable_data();
-  const pybind11::gil_scoped_release release;
-  work.SetLastStage();
-  work.Run(PartsOf(ends.size(), kInPart), [&](std::size_t part, std::size_t) {
-    std::size_t i = part * kInPart;
-    const std::size_t end = std::min(ends.size(), i + kInPart);
-    for (std::size_t at = i == 0 ? 0 : ends[i - 1]; i < end; at = ends[i++]) {
-      std::fill(rows + at, rows + ends[i], static_cast<std::int64_t>(i));
-    }
-  });
-  return ids;
-}
-
 // Returns the rows and the ids, of shape (2, n). write(item, i) writes the rest
-// of an item and returns its id. The results of query i end at ends[i] of the
-// list of its part. prepare(n) runs before write().
+// of an item and returns its id. The results of the query at place i end at
+// ends[i] of the list of its part. prepare(n) runs before write().
 template <typename Item, typename Prepare, typename Write>
 Ids Gather(const std::vector<std::vector<Item>>& lists,
-           std::vector<std::size_t>& ends, std::size_t in_part, Work& work,
-           const Prepare& prepare, const Write& write) {
-  const std::vector<std::size_t> offsets = OffsetsOf(lists);
-  for (std::size_t i = 0; i < ends.size(); ++i) ends[i] += offsets[i / in_part];
-  Ids ids = RowsOf(ends, work);
-  prepare(offsets.back());
-  std::int64_t* const objects = ids.mutable_data() + offsets.back();
+           const std::vector<std::size_t>& ends, const Columns& queries,
+           std::size_t in_part, Work& work, const Prepare& prepare,
+           const Write& write) {
+  // By row. Results are read in no order and written in order, as they take
+  // less memory before than after.
+  struct Row {
+    const Item* items;
+    std::size_t end;
+  };
+  std::vector<Row> found(queries.count);
+  for (std::size_t i = 0; i < queries.count; ++i) {
+    const std::size_t begin = i % in_part == 0 ? 0 : ends[i - 1];
+    found[queries.RowAt(i)] = {lists[i / in_part].data() + begin,
+                               ends[i] - begin};
+  }
+  std::size_t total = 0;
+  for (Row& row : found) row.end = total += row.end;
+  Ids ids(std::vector<std::size_t>{2, total});
+  prepare(total);
+  std::int64_t* const rows = ids.mutable_data();
+  std::int64_t* const objects = rows + total;
   const pybind11::gil_scoped_release release;
-  work.Run(lists.size(), [&](std::size_t part, std::size_t) {
-    std::size_t i = offsets[part];
-    for (const Item& item : lists[part]) {
-      objects[i] = write(item, i);
-      ++i;
+  work.SetLastStage();
+  constexpr std::size_t kInPart = 65536;
+  work.Run(PartsOf(found.size(), kInPart), [&](std::size_t part, std::size_t) {
+    std::size_t row = part * kInPart;
+    const std::size_t end = std::min(found.size(), row + kInPart);
+    for (std::size_t at = row == 0 ? 0 : found[row - 1].end; row < end; ++row) {
+      const Item* item = found[row].items;
+      for (; at < found[row].end; ++at, ++item) {
+        rows[at] = static_cast<std::int64_t>(row);
+        objects[at] = write(*item, at);
+      }
     }
   });
   return ids;
@@ -140,7 +132,7 @@ Ids FindAll(const Columns& queries, std::size_t in_part, Work& work,
         std::copy_n(offsets.data() + 1, some.count, ends.data() + first);
       });
   return Gather(
-      results.lists, ends, in_part, work, [](std::size_t) {},
+      results.lists, ends, queries, in_part, work, [](std::size_t) {},
       [](std::uint32_t id, std::size_t) { return id; });
 }
 
@@ -165,7 +157,7 @@ pybind11::tuple FindLists(const Columns& queries, std::size_t in_part,
   pybind11::array_t<float> values;
   float* to = nullptr;
   const Ids ids = Gather(
-      lists, ends, in_part, work,
+      lists, ends, queries, in_part, work,
       [&](std::size_t count) {
         values = pybind11::array_t<float>(Size(count));
         to = values.mutable_data();
@@ -227,7 +219,16 @@ pybind11::array_t<Value> FindEach(const Columns& queries, std::size_t each,
   Value* const to = values.mutable_data();
   ForEachPart(queries, in_part, work,
               [&](const hs_columns& some, std::size_t first, std::size_t) {
-                find(some, first, to + first * each);
+                if (queries.order.empty()) {
+                  find(some, first, to + first * each);
+                  return;
+                }
+                const auto its = std::make_unique<Value[]>(some.count * each);
+                find(some, first, its.get());
+                for (std::size_t i = 0; i < some.count; ++i) {
+                  std::copy_n(its.get() + i * each, each,
+                              to + queries.order[first + i] * each);
+                }
               });
   work.Finish();
   return values;
@@ -259,15 +260,24 @@ pybind11::tuple FindIdsAndFloats(const Columns& queries, std::size_t each,
   const std::vector<std::size_t> shape{queries.count, each};
   pybind11::array_t<float> floats(shape);
   Ids ids(shape);
-  float* const to = floats.mutable_data();
-  const auto found = FindEach<std::uint32_t>(
-      queries, each, in_part, work,
-      [&](const hs_columns& some, std::size_t first, std::uint32_t* its_ids) {
-        find(some, first, its_ids, to + first * each);
-      });
-  std::transform(
-      found.data(), found.data() + found.size(), ids.mutable_data(),
-      [](std::uint32_t id) { return id == HS_NO_ID ? -1 : std::int64_t{id}; });
+  float* const all_floats = floats.mutable_data();
+  std::int64_t* const all_ids = ids.mutable_data();
+  ForEachPart(queries, in_part, work,
+              [&](const hs_columns& some, std::size_t first, std::size_t) {
+                std::vector<std::uint32_t> its_ids(some.count * each);
+                std::vector<float> its_floats(some.count * each);
+                find(some, first, its_ids.data(), its_floats.data());
+                for (std::size_t i = 0; i < some.count; ++i) {
+                  const std::size_t at = queries.RowAt(first + i) * each;
+                  std::copy_n(&its_floats[i * each], each, all_floats + at);
+                  std::transform(&its_ids[i * each], &its_ids[i * each] + each,
+                                 all_ids + at, [](std::uint32_t id) {
+                                   return id == HS_NO_ID ? -1
+                                                         : std::int64_t{id};
+                                 });
+                }
+              });
+  work.Finish();
   return pybind11::make_tuple(ids, floats);
 }
 

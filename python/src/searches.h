@@ -29,6 +29,7 @@ namespace halfspace::python {
 //   Keep(queries, ids, offsets) and KeepPairs(margin, pairs). They remove the
 //   results that the doubles reject. Keep() returns how many are left.
 struct BvhFunctions {
+  static constexpr auto kSize = &hs_bvh_size;
   static constexpr auto kQuery = &hs_bvh_query;
   static constexpr auto kCount = &hs_bvh_count;
   static constexpr auto kAny = &hs_bvh_any;
@@ -43,6 +44,7 @@ struct BvhFunctions {
   static constexpr auto kPairsOf = &hs_bvh_pairs_of_each;
 };
 struct BroadPhaseFunctions {
+  static constexpr auto kSize = &hs_broad_phase_size;
   static constexpr auto kQuery = &hs_broad_phase_query;
   static constexpr auto kCount = &hs_broad_phase_count;
   static constexpr auto kAny = &hs_broad_phase_any;
@@ -68,6 +70,30 @@ struct Searches {
     return options;
   }
 
+  // The queries, sorted if that makes them faster. Measured with 10^5 to 5 *
+  // 10^6 objects: it takes 30 ns a query, and then many queries of a tree that
+  // is larger than the cache take 0.4 to 0.8 of the time.
+  static constexpr std::size_t kLargeTree = 200'000;
+  static Columns QueriesIn(const World& world, const pybind11::tuple& arrays,
+                           std::size_t large) {
+    constexpr std::size_t kFewQueries = 8192;
+    Columns queries(arrays);
+    if (queries.count < kFewQueries || queries.count > HS_NO_ID) return queries;
+    const pybind11::gil_scoped_release release;
+    std::size_t size = 0;
+    Check(Its::kSize(world.get(), &size));
+    // A function of C says which columns are missing.
+    if (size >= large && queries.size >= world.dims) {
+      queries.SortByPlace(world.dims);
+    }
+    return queries;
+  }
+  // A query of boxes in 2 dimensions reads less.
+  static Columns BoxesIn(const World& world, const pybind11::tuple& arrays) {
+    return QueriesIn(world, arrays,
+                     world.dims == 2 ? 5 * kLargeTree : kLargeTree);
+  }
+
   // find() of FindAll() and FindOfOne().
   static auto FinderIn(const World& world, const hs_query_options& options) {
     return
@@ -90,14 +116,14 @@ struct Searches {
   static Ids Query(World& world, const pybind11::tuple& arrays,
                    std::uint32_t mask, std::size_t threads,
                    pybind11::object progress) {
-    const Columns queries(arrays);
+    Work work(threads, std::move(progress));
+    const Reading reading(world);
+    const Columns queries = BoxesIn(world, arrays);
     hs_query_options options = OptionsOf(mask);
     if (queries.size == world.dims + 1) options.shape = HS_SHAPE_SPHERE;
     if (queries.size == 2 * world.dims + 1) {
       options.shape = HS_SHAPE_ROUNDED_BOX;
     }
-    Work work(threads, std::move(progress));
-    const Reading reading(world);
     Ids ids = FindAll(queries, World::kPart, work, FinderIn(world, options));
     work.Finish();
     return ids;
@@ -119,10 +145,10 @@ struct Searches {
   static pybind11::array Count(World& world, const pybind11::tuple& arrays,
                                std::uint32_t mask, std::size_t threads,
                                pybind11::object progress) {
-    const Columns queries(arrays);
     const hs_query_options options = OptionsOf(mask);
     Work work(threads, std::move(progress));
     const Reading reading(world);
+    const Columns queries = BoxesIn(world, arrays);
     if (!world.is_exact) {
       return AskEach(world.get(), Its::kCount, queries, kPartQueries, work,
                      &options);
@@ -147,10 +173,10 @@ struct Searches {
   static pybind11::array Any(World& world, const pybind11::tuple& arrays,
                              std::uint32_t mask, std::size_t threads,
                              pybind11::object progress) {
-    const Columns queries(arrays);
     const hs_query_options options = OptionsOf(mask);
     Work work(threads, std::move(progress));
     const Reading reading(world);
+    const Columns queries = BoxesIn(world, arrays);
     return AskEach(world.get(), Its::kAny, queries, kPartQueries, work,
                    &options);
   }
@@ -178,11 +204,11 @@ struct Searches {
                                  bool is_exclusive, bool with_ties,
                                  std::uint32_t mask, std::size_t threads,
                                  pybind11::object progress) {
-    const Columns queries(arrays);
     hs_query_options options = OptionsOf(mask);
     options.exclusive = is_exclusive ? 1 : 0;
     Work work(threads, std::move(progress));
     const Reading reading(world);
+    const Columns queries = QueriesIn(world, arrays, kLargeTree);
     const auto search = [&](const hs_columns& some, std::size_t room,
                             std::uint32_t* ids, float* distances) {
       const bool are_points = queries.size == world.dims;
@@ -211,7 +237,8 @@ struct Searches {
                        for (std::size_t i = 0; i < some.count; ++i) {
                          AddWithTies(k, &ids[i * (k + 1)],
                                      &distances[i * (k + 1)],
-                                     queries.Rows(first + i, 1), search, list);
+                                     queries.Rows(queries.RowAt(first + i), 1),
+                                     search, list);
                          ends[i] = list.size();
                        }
                      });

@@ -558,6 +558,19 @@ std::span<const double> RowsOfDoubles(const Columns& boxes,
   return copy;
 }
 
+// Writes the row of each result, where those of row i end at ends[i].
+void FillRows(const std::vector<std::size_t>& ends, std::int64_t* rows,
+              Work& work) {
+  constexpr std::size_t kInPart = 65536;
+  work.Run(PartsOf(ends.size(), kInPart), [&](std::size_t part, std::size_t) {
+    std::size_t i = part * kInPart;
+    const std::size_t end = std::min(ends.size(), i + kInPart);
+    for (std::size_t at = i == 0 ? 0 : ends[i - 1]; i < end; at = ends[i++]) {
+      std::fill(rows + at, rows + ends[i], static_cast<std::int64_t>(i));
+    }
+  });
+}
+
 // Sorts the queries into a tree of their own and joins the trees: queries that
 // are near each other share what they read. Then sorts the pairs by row.
 Ids QueryByJoin(Tree& tree, const py::tuple& arrays, std::uint32_t mask,
@@ -588,12 +601,14 @@ Ids QueryByJoin(Tree& tree, const py::tuple& arrays, std::uint32_t mask,
     });
     std::partial_sum(ends.begin(), ends.end(), ends.begin());
   }
-  Ids ids = RowsOf(ends, work);
-  std::int64_t* const objects = ids.mutable_data() + ids.shape(1);
+  const std::size_t found = ends.empty() ? 0 : ends.back();
+  Ids ids(std::vector<std::size_t>{2, found});
+  std::int64_t* const rows = ids.mutable_data();
   const py::gil_scoped_release release;
+  FillRows(ends, rows, work);
   work.Run(parts, [&](std::size_t part, std::size_t) {
     for (const hs_id_pair& pair : results.lists[part]) {
-      objects[--ends[pair.a]] = pair.b;
+      rows[found + --ends[pair.a]] = pair.b;
     }
   });
   work.Finish();
@@ -658,7 +673,10 @@ Ids PairsOf(Tree& tree, Tree* b, float margin, std::uint32_t mask,
     return FindPairs(tree.get(), b == nullptr ? nullptr : b->get(), options,
                      work, KeeperOf(of_a, of_b, tree.dims, margin));
   }();
-  const std::vector<std::size_t> offsets = OffsetsOf(results.lists);
+  std::vector<std::size_t> offsets{0};
+  for (const auto& list : results.lists) {
+    offsets.push_back(offsets.back() + list.size());
+  }
   const std::size_t found = offsets.back();
   Ids ids(std::vector<std::size_t>{2, found});
   std::int64_t* const to = ids.mutable_data();

@@ -303,6 +303,44 @@ def test_threads_do_not_change_results(boxes, queries):
             assert np.array_equal(call(threads), expected)
 
 
+@pytest.mark.parametrize("exact", [False, True])
+def test_many_queries_of_a_large_tree(rng, dims, exact):
+    """They are sorted first. Fewer are not, and find the same."""
+    size = 1_000_000 if dims == 2 else 200_000
+    side = 2 * size ** (-1 / dims)
+    boxes = random_boxes(rng, size, dims, side, np.float64)
+    boxes[:100] *= 1e6
+    tree = hs.BVH(boxes, quality="fast", exact=exact)
+    queries = random_boxes(rng, 9000, dims, side, np.float64)
+    queries[::1000] = boxes[:9]
+    queries[5] = [np.inf] * dims + [-np.inf] * dims
+    queries[7] = [-np.inf] * dims + [-1e6] * dims
+    points = queries[:, :dims].copy()
+    points[5] = 0
+    radii = rng.random(9000) * side
+    calls = [
+        lambda some: tree.query(queries[some]),
+        lambda some: tree.query(queries[some].astype(np.float32), threads=2),
+        lambda some: tree.query(queries[some], within=radii[some]),
+        lambda some: tree.query_sphere(points[some], radii[some]),
+        lambda some: tree.nearest(points[some], 3, all_ties=True)[0],
+    ]
+    few = [slice(0, 5000), slice(5000, 9000)]
+    for call in calls:
+        found = [call(some) for some in few]
+        found[1][0] += 5000
+        assert found[0].size
+        whole = call(slice(None))
+        assert (in_order(whole) == in_order(np.concatenate(found, axis=1))).all()
+    for call in [
+        lambda some: [tree.count(queries[some], threads=2)],
+        lambda some: [tree.any(queries[some])],
+        lambda some: tree.nearest(points[some], 3, threads=2),
+    ]:
+        for whole, *found in zip(call(slice(None)), *map(call, few)):
+            assert np.array_equal(whole, np.concatenate(found))
+
+
 @pytest.mark.parametrize("n", [0, 1, 64, 65])
 def test_few_boxes(rng, dims, n):
     boxes = random_boxes(rng, n, dims)

@@ -198,7 +198,8 @@ def test_an_exception_of_a_signal_leaves_no_tree_locked():
 
 
 def test_an_interrupted_refit_must_be_repeated(rng):
-    boxes = random_boxes(rng, 1_000_000, 3, 0.01)
+    # So many that a refit takes several times the 50 ms after which progress is called.
+    boxes = random_boxes(rng, 4_000_000, 3, 0.01)
     doubles = boxes.astype(float)
     tree = hs.BVH(boxes, quality="fast")
 
