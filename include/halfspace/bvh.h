@@ -589,7 +589,11 @@ void ForEachSurvivor(const Bvh<View>& world, const Query& query,
 
 // Survivors() of several queries. The queries walk the tree together, 64 at a
 // time, which hides the latency of memory and the cost of a call: it takes 0.6
-// to 1 times as long as one call per query.
+// to 1 times as long as one call per query. If the tree is larger than the
+// cache, sort the queries along a curve: those that are near each other then
+// find in the cache what the ones before them read. In trees of 10^6 and
+// 4 * 10^6 boxes, queries in such an order take about half of the time, here
+// and in CountSurvivorsOfEach() and KNearestOfEach().
 //   ids      receives the ids of all queries, one query after another
 //   offsets  `offsets.size()` must be at least `queries.size() + 1`. The ids of
 //            queries[q] are ids[offsets[q]] ... ids[offsets[q + 1] - 1].
