@@ -91,6 +91,10 @@ std::vector<std::uint32_t> OrderByPlace(const Columns& records,
   }
   std::vector<std::uint32_t> ends((std::size_t{1} << dims * bits) + 1);
   for (const std::uint16_t key : keys) ++ends[key + 1];
+  // As of rays from one camera.
+  const bool are_near =
+      *std::max_element(ends.begin(), ends.end()) > records.count / 2;
+  if (are_near) return {};
   std::partial_sum(ends.begin(), ends.end(), ends.begin());
   std::vector<std::uint32_t> order(records.count);
   for (std::size_t i = 0; i < records.count; ++i) {

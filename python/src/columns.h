@@ -53,8 +53,8 @@ struct Columns : hs_columns {
   hs_columns Rows(std::size_t first, std::size_t most) const;
 
   // Fills `order`, by the first `dims` columns: records that are near each
-  // other become neighbors. Queries in this order find in the cache what the
-  // ones before them read.
+  // other become neighbors, unless most are near each other. Queries in this
+  // order find in the cache what the ones before them read.
   void SortByPlace(std::size_t dims);
 
   // Rows() in that order. `copy` then has them.

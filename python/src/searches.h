@@ -75,7 +75,7 @@ struct Searches {
   // is larger than the cache take 0.4 to 0.8 of the time.
   static constexpr std::size_t kLargeTree = 200'000;
   static Columns QueriesIn(const World& world, const pybind11::tuple& arrays,
-                           std::size_t large) {
+                           std::size_t large = kLargeTree) {
     constexpr std::size_t kFewQueries = 8192;
     Columns queries(arrays);
     if (queries.count < kFewQueries || queries.count > HS_NO_ID) return queries;
@@ -208,7 +208,7 @@ struct Searches {
     options.exclusive = is_exclusive ? 1 : 0;
     Work work(threads, std::move(progress));
     const Reading reading(world);
-    const Columns queries = QueriesIn(world, arrays, kLargeTree);
+    const Columns queries = QueriesIn(world, arrays);
     const auto search = [&](const hs_columns& some, std::size_t room,
                             std::uint32_t* ids, float* distances) {
       const bool are_points = queries.size == world.dims;
@@ -250,19 +250,21 @@ struct Searches {
                               const pybind11::tuple& its_ways, bool finds_all,
                               std::uint32_t mask, std::size_t threads,
                               pybind11::object progress) {
-    const Columns starts(its_starts);
-    const Columns ways(its_ways);
+    Work work(threads, std::move(progress));
+    const Reading reading(world);
+    const Columns starts = QueriesIn(world, its_starts);
+    Columns ways(its_ways);
     if (starts.count != ways.count) ThrowNotPrepared();
+    ways.order = starts.order;
     const hs_query_options options = OptionsOf(mask);
     const bool are_rays = starts.size == 2 * world.dims + 1;
     const bool are_boxes = starts.size == 2 * world.dims;
-    Work work(threads, std::move(progress));
-    const Reading reading(world);
     // The function of C for the starts from `first` on.
     const auto cast = [&](const hs_columns& some, std::size_t first,
                           auto of_rays, auto of_boxes, auto of_spheres,
                           auto... outputs) {
-      const hs_columns some_ways = ways.Rows(first, kPartQueries);
+      std::vector<double> copy;
+      const hs_columns some_ways = ways.Part(first, kPartQueries, copy);
       Check(are_rays
                 ? of_rays(world.get(), &some, 0, &options, outputs...)
                 : (are_boxes ? of_boxes : of_spheres)(

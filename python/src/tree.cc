@@ -701,11 +701,11 @@ py::tuple CastToTriangles(Tree& tree, const py::tuple& its_rays,
                           const py::tuple& its_triangles, bool finds_all,
                           std::uint32_t mask, std::size_t threads,
                           py::object progress) {
-  const Columns rays(its_rays);
   const Columns triangles(its_triangles);
   const hs_query_options options = Searches<Tree>::OptionsOf(mask);
   Work work(threads, std::move(progress));
   const Reading reading(tree);
+  const Columns rays = Searches<Tree>::QueriesIn(tree, its_rays);
   if (finds_all) {
     return Searches<Tree>::FindHits(
         rays, work,
@@ -729,19 +729,23 @@ py::tuple ClosestPoints(Tree& tree, const py::tuple& its_points,
                         const py::tuple& its_triangles, float max_distance,
                         std::uint32_t mask, std::size_t threads,
                         py::object progress) {
-  const Columns points(its_points);
   const Columns triangles(its_triangles);
   const hs_query_options options = Searches<Tree>::OptionsOf(mask);
-  py::array_t<float> closest(std::vector<std::size_t>{points.count, 3});
-  float* const to = closest.mutable_data();
   Work work(threads, std::move(progress));
   const Reading reading(tree);
+  const Columns points = Searches<Tree>::QueriesIn(tree, its_points);
+  py::array_t<float> closest(std::vector<std::size_t>{points.count, 3});
+  float* const to = closest.mutable_data();
   const py::tuple found = FindIdsAndFloats(
       points, 1, kPartQueries, work,
       [&](const hs_columns& some, std::size_t first, std::uint32_t* ids,
           float* distances) {
+        std::array<float, 3 * kPartQueries> its;
         Check(hs_bvh_closest_points(tree.get(), &some, &triangles, max_distance,
-                                    &options, ids, to + 3 * first, distances));
+                                    &options, ids, its.data(), distances));
+        for (std::size_t i = 0; i < some.count; ++i) {
+          std::copy_n(&its[3 * i], 3, to + 3 * points.RowAt(first + i));
+        }
       });
   return py::make_tuple(found[0], found[1], closest);
 }

@@ -318,12 +318,14 @@ def test_many_queries_of_a_large_tree(rng, dims, exact):
     points = queries[:, :dims].copy()
     points[5] = 0
     radii = rng.random(9000) * side
+    ways = rng.normal(size=(9000, dims))
     calls = [
         lambda some: tree.query(queries[some]),
         lambda some: tree.query(queries[some].astype(np.float32), threads=2),
         lambda some: tree.query(queries[some], within=radii[some]),
         lambda some: tree.query_sphere(points[some], radii[some]),
         lambda some: tree.nearest(points[some], 3, all_ties=True)[0],
+        lambda some: tree.raycast(points[some], ways[some], 0.1, all_hits=True)[0],
     ]
     few = [slice(0, 5000), slice(5000, 9000)]
     for call in calls:
@@ -336,6 +338,9 @@ def test_many_queries_of_a_large_tree(rng, dims, exact):
         lambda some: [tree.count(queries[some], threads=2)],
         lambda some: [tree.any(queries[some])],
         lambda some: tree.nearest(points[some], 3, threads=2),
+        lambda some: tree.raycast(points[some], ways[some], threads=2),
+        lambda some: tree.spherecast(points[some], radii[some], ways[some], 0.1),
+        lambda some: tree.boxcast(np.hstack([points, points + 0.01])[some], ways[some], 0.1),
     ]:
         for whole, *found in zip(call(slice(None)), *map(call, few)):
             assert np.array_equal(whole, np.concatenate(found))

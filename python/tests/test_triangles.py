@@ -169,3 +169,21 @@ def test_bad_triangles():
         tree.closest_point([0, 0, 0], good, max_distance=-1)
     assert tree.raycast([0, 0, 0], [1, 1, 1], triangles=good)[0] == -1
     assert tree.closest_point([0, 0, 0], good)[0] == 0
+
+
+def test_many_queries_of_a_large_mesh(rng):
+    """They are sorted first. Fewer are not, and find the same."""
+    corners = rng.random((200_000, 1, 3)) + 0.02 * rng.random((200_000, 3, 3))
+    corners = corners.astype(np.float32)
+    tree = hs.BVH(np.hstack([corners.min(axis=1), corners.max(axis=1)]), quality="fast")
+    points, ways = rng.random((9000, 3)), rng.normal(size=(9000, 3))
+    few = [slice(0, 5000), slice(5000, 9000)]
+    for call in [
+        lambda some: tree.closest_point(points[some], corners),
+        lambda some: tree.raycast(points[some], ways[some], triangles=corners),
+        lambda some: (
+            tree.raycast(points[some], ways[some], triangles=corners, all_hits=True)[1],
+        ),
+    ]:
+        for whole, *found in zip(call(slice(None)), *map(call, few)):
+            assert np.array_equal(whole, np.concatenate(found))
