@@ -19,6 +19,7 @@ import sys
 import tempfile
 import time
 import warnings
+import weakref
 
 os.environ["USE_PYGEOS"] = "0"  # geopandas warns if it is unset
 
@@ -75,11 +76,15 @@ def mesh(rng, count, side):
     turn = rng.uniform(0.2, 1)
     x = side * (u * np.cos(turn) - v * np.sin(turn) + 0.02 * np.sin(9 * v))
     y = side * (u * np.sin(turn) + v * np.cos(turn) + 0.02 * np.sin(7 * u))
-    corners = np.stack([x, y], -1)
+    triangles = triangles_between(np.stack([x, y], -1))
+    return np.hstack([triangles.min(1), triangles.max(1)])
+
+
+def triangles_between(corners):
+    """Two triangles in each cell of a grid, of shape (n, 3, dimensions)."""
     a, b, c, d = corners[:-1, :-1], corners[:-1, 1:], corners[1:, :-1], corners[1:, 1:]
     triangles = np.stack([np.stack([a, b, c], -2), np.stack([b, d, c], -2)], -3)
-    triangles = triangles.reshape(-1, 3, 2)
-    return as_floats(np.hstack([triangles.min(1), triangles.max(1)]))
+    return as_floats(triangles.reshape(-1, 3, corners.shape[-1]))
 
 
 def points(rng, count, side=0):
@@ -89,20 +94,29 @@ def points(rng, count, side=0):
 
 
 def bumps(count):
-    """About so many triangles of a sphere with bumps, of shape (n, 3, 3)."""
+    """About so many triangles of a sphere with bumps."""
     n = int(np.sqrt(count / 4))
     u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 2 * n + 1), np.linspace(0.02, np.pi - 0.02, n + 1))
     radius = 1 + 0.1 * np.sin(9 * u) * np.sin(7 * v)
-    corners = radius[..., None] * np.stack(
-        [np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)], -1)
-    a, b, c, d = corners[:-1, :-1], corners[:-1, 1:], corners[1:, :-1], corners[1:, 1:]
-    triangles = np.stack([np.stack([a, b, c], -2), np.stack([b, d, c], -2)], -3)
-    return as_floats(triangles.reshape(-1, 3, 3))
+    return triangles_between(radius[..., None] * np.stack(
+        [np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)], -1))
 
 
 libc = ctypes.CDLL(None)
 libc.free.argtypes = [ctypes.c_void_p]
 libc.free.restype = None
+
+
+class Owned:
+    """What a function of C made, and the objects that it uses."""
+
+    def __init__(self, pointer, free, *keep):
+        self._as_parameter_ = pointer
+        self.free = free
+        self.keep = keep
+
+    def __del__(self):
+        self.free(self)
 
 
 class Geos:
@@ -114,64 +128,41 @@ class Geos:
         subprocess.run([os.environ.get("CC", "cc"), "-O3", "-shared", "-fPIC", source, "-o",
                         library, "-lgeos_c", "-lm"], check=True)
         self.c = ctypes.CDLL(str(library))
-        pointer, integer, size = ctypes.c_void_p, ctypes.c_int64, ctypes.c_size_t
-        for name, returned, arguments in (
-                ("geos_version", ctypes.c_char_p, ()),
-                ("geos_rectangles", pointer, (pointer, size)),
-                ("geos_rectangles_free", None, (pointer,)),
-                ("geos_tree", pointer, (pointer,)),
-                ("geos_tree_free", None, (pointer, pointer)),
-                ("geos_join", integer, (pointer, pointer, pointer, ctypes.c_double, pointer,
-                                        pointer)),
-                ("geos_nearest", integer, (pointer, pointer, pointer, ctypes.c_int, pointer,
-                                           pointer))):
+        pointer, size = ctypes.c_void_p, ctypes.c_size_t
+        for name, returned, *arguments in (
+                ("geos_version", ctypes.c_char_p),
+                ("geos_rectangles", pointer, pointer, size),
+                ("geos_rectangles_free", None, pointer),
+                ("geos_tree", pointer, pointer),
+                ("geos_tree_free", None, pointer),
+                ("geos_join", size, pointer, pointer, pointer, ctypes.c_double, pointer),
+                ("geos_nearest", size, pointer, pointer, pointer, ctypes.c_int, pointer)):
             function = getattr(self.c, name)
             function.restype = returned
             function.argtypes = arguments
         self.name = f"GEOS {self.c.geos_version().decode().split('-')[0]} in C"
 
-    class Owned:
-        def __init__(self, pointer, free, *keep):
-            if not pointer:
-                raise MemoryError("GEOS made nothing")
-            self.pointer = pointer
-            self.free = free
-            self.keep = keep
-
-        def __del__(self):
-            self.free(self.pointer)
-
     def given(self, boxes):
         boxes = np.ascontiguousarray(boxes)
-        return self.Owned(self.c.geos_rectangles(boxes.ctypes.data, len(boxes)),
-                          self.c.geos_rectangles_free, boxes)
+        return Owned(self.c.geos_rectangles(boxes.ctypes.data, len(boxes)),
+                     self.c.geos_rectangles_free, boxes)
 
     def build(self, rectangles):
-        return self.Owned(self.c.geos_tree(rectangles.pointer),
-                          lambda tree: self.c.geos_tree_free(tree, rectangles.pointer),
-                          rectangles)
-
-    def _pairs(self, function, *arguments):
-        rows, ids = ctypes.c_void_p(), ctypes.c_void_p()
-        count = function(*arguments, ctypes.byref(rows), ctypes.byref(ids))
-        if count < 0:
-            raise MemoryError("GEOS has failed")
-        return self.Owned(rows.value, libc.free), self.Owned(ids.value, libc.free), count
-
-    def join(self, tree, probes, within=0.0):
-        return self._pairs(self.c.geos_join, tree.pointer, tree.keep[0].pointer, probes.pointer,
-                           within)
-
-    def nearest(self, tree, probes, with_ties=False):
-        return self._pairs(self.c.geos_nearest, tree.pointer, tree.keep[0].pointer,
-                           probes.pointer, int(with_ties))
+        return Owned(self.c.geos_tree(rectangles), self.c.geos_tree_free, rectangles)
 
     @staticmethod
-    def pairs(found):
-        rows, ids, count = found
-        return tuple(np.ctypeslib.as_array(
-            ctypes.cast(some.pointer, ctypes.POINTER(ctypes.c_int64)), (count,)).copy()
-            for some in (rows, ids))
+    def _pairs(function, tree, probes, option):
+        found = ctypes.c_void_p()
+        count = function(tree, *tree.keep, probes, option, ctypes.byref(found))
+        pairs = (ctypes.c_int64 * 2 * count).from_address(found.value)
+        weakref.finalize(pairs, libc.free, found)
+        return np.asarray(pairs).T
+
+    def join(self, tree, probes, within=0.0):
+        return self._pairs(self.c.geos_join, tree, probes, within)
+
+    def nearest(self, tree, probes, with_ties=False):
+        return self._pairs(self.c.geos_nearest, tree, probes, with_ties)
 
 
 def rectangles(boxes):
@@ -189,12 +180,6 @@ def build_rtree(boxes):
     return rtree.index.Index((i, box, None) for i, box in enumerate(boxes))
 
 
-def lists(found):
-    """The rows and ids of a list of ids for each row."""
-    rows = np.repeat(np.arange(len(found)), [len(ids) for ids in found])
-    return rows, np.array([i for ids in found for i in ids], np.int64)
-
-
 SHAPELY = f"shapely {shapely.__version__}"
 RTREE = f"rtree {rtree.__version__}"
 GEOPANDAS = f"geopandas {geopandas.__version__}"
@@ -203,35 +188,46 @@ SCIPY = f"scipy {scipy.__version__} cKDTree"
 # Answers, which make what two libraries return equal.
 
 
+def rows_and_ids(found):
+    """Those of an array of rows and ids, or of the ids of each query."""
+    if len(found) == 2:
+        return np.asarray(found, np.int64)
+    found = [np.atleast_1d(ids) for ids in found]
+    return np.array([np.repeat(np.arange(len(found)), [len(ids) for ids in found]),
+                     np.concatenate(found)], np.int64)
+
+
 def as_pairs(found):
     """A number for each pair, in ascending order."""
-    rows, ids = found
-    return np.sort(np.asarray(rows, np.int64) << 32 | np.asarray(ids, np.int64))
+    rows, ids = rows_and_ids(found)
+    return np.sort(rows << 32 | ids)
 
 
-def gaps(boxes, probes, found):
+def gaps(boxes, probes, rows, ids):
     """The distances of pairs of boxes."""
-    rows, ids = found
     a, b = probes[rows], boxes[ids]
     apart = np.maximum(b[:, :2] - a[:, 2:], a[:, :2] - b[:, 2:]).clip(0)
     return np.hypot(apart[:, 0], apart[:, 1])
 
 
-def sorted_distances(boxes, probes, found):
-    """Those of each row in order."""
-    distances = gaps(boxes, probes, found)
-    return distances[np.lexsort((distances, found[0]))]
+def distances(boxes, probes):
+    """Those of each row in order, and whether they are the same."""
+    def answer(found):
+        rows, ids = rows_and_ids(found)
+        far = gaps(boxes, probes, rows, ids)
+        return far[np.lexsort((far, rows))]
 
-
-def near(a, b):
     # halfspace compares distances as floats: of two that are so near, either can be first.
-    return a.shape == b.shape and np.allclose(a, b, rtol=1e-6, atol=1e-12)
+    return answer, lambda a, b: a.shape == b.shape and np.allclose(a, b, rtol=1e-6, atol=1e-12)
 
 
-def of_each(ids):
-    """The ids of k objects for each row as rows and ids."""
-    ids = np.asarray(ids).reshape(len(ids), -1)
-    return np.repeat(np.arange(len(ids)), ids.shape[1]), ids.ravel()
+def pairs_within(boxes, probes, limit):
+    """Pairs, and whether they are the same, except for those so near the limit that floats
+    decide otherwise."""
+    def same(a, b):
+        pairs = np.setxor1d(a, b)
+        return np.allclose(gaps(boxes, probes, pairs >> 32, pairs & 0xffffffff), limit, 1e-5)
+    return as_pairs, same
 
 
 # The table.
@@ -240,8 +236,8 @@ def of_each(ids):
 def seconds(call):
     """CPU time: other programs disturb it less, and no library gains by threads."""
     begin = time.process_time()
-    result = call()
-    return time.process_time() - begin, result
+    result = call()  # whose end takes no time here
+    return time.process_time() - begin
 
 
 def bytes_of(build):
@@ -257,177 +253,129 @@ def bytes_of(build):
     return built, resident() - before
 
 
-class Table:
-    def __init__(self, repetitions):
-        self.repetitions = repetitions
-        self.rows = []
-
-    def contest(self, call, objects, count, ours, peer, theirs, same=np.array_equal, sizes=()):
-        """A row. `ours` and `theirs` are calls that are timed, and what makes an answer of
-        their results. They have `count` queries. A slow call runs less often."""
-        report.progress(f"{call}, {objects}: {peer}")
-        answers = [answer(run()) for run, answer in (ours, theirs)]
-        if not same(*answers):
-            sys.exit(f"{call}, {objects}: halfspace and {peer} disagree. The comparison needs "
-                     "equal answers, so this is a bug in one of them")
-        times = [], []
-        while len(times[0]) < self.repetitions and sum(times[1]) < 1:
-            for (run, _), some in zip((ours, theirs), times):
-                some.append(seconds(run)[0])
-        self.rows.append([
-            call, objects, peer, round(np.size(answers[0]) / count, 2) or None,
+def row_of(repetitions, objects, count, call, peer, ours, theirs, answer=as_pairs,
+           same=np.array_equal, sizes=(None, None)):
+    """`ours` and `theirs` are calls of `count` queries, which are timed, and `answer` makes
+    their results equal. A slow call runs less often."""
+    report.progress(f"{call}, {objects}: {peer}")
+    answers = [answer(run()) for run in (ours, theirs)]
+    if not same(*answers):
+        sys.exit(f"{call}, {objects}: halfspace and {peer} disagree. The comparison needs "
+                 "equal answers, so this is a bug in one of them")
+    times = [], []
+    while len(times[0]) < repetitions and sum(times[1]) < 1:
+        for run, some in zip((ours, theirs), times):
+            some.append(seconds(run))
+    return [call, objects, peer, round(np.size(answers[0]) / count, 2) or None,
             report.spread([t / count * 1e6 for t in times[0]]), report.ratios(times[1], times[0]),
-            *(sizes or (None, None))])
-
-    def build(self, objects, boxes, peers):
-        """Rows of builds. Returns the trees of halfspace and of the peers, which are names,
-        what a caller has before any call, and functions."""
-        count = len(boxes)
-        tree, our_size = bytes_of(lambda: hs.BVH(boxes))
-        trees = [tree]
-        for name, given, build in peers:
-            built, size = bytes_of(lambda: build(given))
-            trees.append(built)
-            self.contest("BVH(boxes)", objects, count, (lambda: hs.BVH(boxes), lambda _: ()),
-                         name, (lambda: build(given), lambda _: ()),
-                         sizes=[our_size / count, size / count])
-        return trees
-
-    def result(self):
-        column = report.column
-        return report.table(
-            "compare", "Calls of halfspace and of other packages, on one thread",
-            [column("call", key=True), column("objects", key=True), column("package", key=True),
-             column("results a query"), column("halfspace", "us a query", 3, better="lower"),
-             column("times", digits=1), column("halfspace, bytes an object", digits=0),
-             column("package, bytes an object", digits=0)], self.rows,
-            ["times: how many times as long the package takes as halfspace. A query of a build is "
-             "an object.",
-             "bytes an object: of the tree, without what the caller has before. For some packages "
-             "this has other objects of Python.",
-             "Shapely 2 calls the tree of GEOS from C for a whole array, so GEOS in C is the best "
-             "that its query, dwithin and query_nearest can reach. shapely 1.8 is called once for "
-             f"each query. {GEOPANDAS} uses rtree, and has no sjoin_nearest with it."])
+            *sizes]
 
 
-def same_within(boxes, probes, limit):
-    """Whether pairs are equal, except for those so near the limit that floats decide
-    otherwise."""
-    def same(a, b):
-        pairs = np.setxor1d(a, b)
-        return np.allclose(gaps(boxes, probes, (pairs >> 32, pairs & 0xffffffff)), limit, 1e-5)
-    return same
+# Each of these functions yields the arguments of row_of(), which runs before the next one.
 
 
-def boxes_of(table, geos, scale, rng):
+def builds(objects, boxes, *peers):
+    """Returns the trees of halfspace and of the peers, which are names, what a caller has
+    before any call, and functions."""
+    count = len(boxes)
+    tree, our_size = bytes_of(lambda: hs.BVH(boxes))
+    trees = [tree]
+    for name, given, build in peers:
+        built, size = bytes_of(lambda: build(given))
+        trees.append(built)
+        yield (objects, count, "BVH(boxes)", name, lambda: hs.BVH(boxes), lambda: build(given),
+               lambda _: (), np.array_equal, [our_size / count, size / count])
+    return trees
+
+
+def boxes_of(geos, scale, rng):
     objects, count, grow = 1_000_000 // scale, 100_000 // scale, scale ** 0.5
-    pairs = lambda found: as_pairs(geos.pairs(found))
     for name, make, side, queries in (
             ("skewed boxes", skewed, 0.0002 * grow, {"small": 0.00025, "large": 0.0022}),
             ("mesh, in order", mesh, 1, {"another mesh": 0.3 / grow}),
             ("uniform boxes", uniform, 0.0005 * grow, {"small": 0.0005, "large": 0.00266})):
         boxes = make(rng, objects, side)
-        tree, of_geos = table.build(name, boxes, [(geos.name, geos.given(boxes), geos.build)])
+        tree, of_geos = yield from builds(name, boxes,
+                                          (geos.name, geos.given(boxes), geos.build))
         for size, its_side in queries.items():
             probes = make(rng, count, its_side * grow)
             given = geos.given(probes)
-            table.contest(f"query(boxes), {size}", name, len(probes),
-                          (lambda: tree.query(probes), as_pairs),
-                          geos.name, (lambda: geos.join(of_geos, given), pairs))
+            yield (name, len(probes), f"query(boxes), {size}", geos.name,
+                   lambda: tree.query(probes), lambda: geos.join(of_geos, given))
     # The last world, and its large queries.
-    table.contest("query(boxes, within=)", name, count,
-                  (lambda: tree.query(probes, within=SQUARE), as_pairs),
-                  geos.name, (lambda: geos.join(of_geos, given, SQUARE), pairs),
-                  same_within(boxes, probes, SQUARE))
-    table.contest("nearest(boxes)", name, count,
-                  (lambda: tree.nearest(probes)[0], lambda found: sorted_distances(
-                      boxes, probes, of_each(found))),
-                  geos.name, (lambda: geos.nearest(of_geos, given), lambda found:
-                              sorted_distances(boxes, probes, geos.pairs(found))), near)
+    yield (name, count, "query(boxes, within=)", geos.name,
+           lambda: tree.query(probes, within=SQUARE), lambda: geos.join(of_geos, given, SQUARE),
+           *pairs_within(boxes, probes, SQUARE))
+    yield (name, count, "nearest(boxes)", geos.name, lambda: tree.nearest(probes)[0],
+           lambda: geos.nearest(of_geos, given), *distances(boxes, probes))
     # No floats: the maxima are less than a step of floats above those of `boxes`.
     doubles = boxes * [1, 1, 1 + 1e-12, 1 + 1e-12]
     exact, size = bytes_of(lambda: hs.BVH(doubles, exact=True))
     its = geos.given(doubles)
     of_geos, its_size = bytes_of(lambda: geos.build(its))
-    table.contest("BVH(boxes, exact=True).query", name, count,
-                  (lambda: exact.query(probes), as_pairs),
-                  geos.name, (lambda: geos.join(of_geos, given), pairs),
-                  sizes=[size / objects, its_size / objects])
+    yield (name, count, "BVH(boxes, exact=True).query", geos.name, lambda: exact.query(probes),
+           lambda: geos.join(of_geos, given), as_pairs, np.array_equal,
+           [size / objects, its_size / objects])
 
 
-def packages(table, scale, rng):
+def of_points(geos, scale, rng):
+    objects, count = 1_000_000 // scale, 100_000 // scale
+    boxes, probes = points(rng, objects), points(rng, count)
+    ours, theirs = boxes[:, :2].copy(), probes[:, :2].copy()
+    tree, of_scipy = yield from builds("points", boxes, (SCIPY, ours, scipy.spatial.cKDTree))
+    for k in (1, 8):
+        yield ("points", count, f"nearest(points, {k})", SCIPY, lambda: tree.nearest(theirs, k)[0],
+               lambda: of_scipy.query(theirs, k)[1], *distances(boxes, probes))
+    squares = probes + [-SQUARE, -SQUARE, SQUARE, SQUARE]
+    within = lambda **how: of_scipy.query_ball_point(theirs, SQUARE, return_sorted=False, **how)
+    yield ("points", count, "query(boxes), squares", SCIPY, lambda: tree.query(squares),
+           lambda: within(p=np.inf))
+    yield ("points", count, "query_sphere(points, r)", SCIPY,
+           lambda: tree.query_sphere(theirs, SQUARE), within, *pairs_within(boxes, probes, SQUARE))
+    yield ("points", count, "query(boxes, within=)", SCIPY,
+           lambda: tree.query(probes, within=SQUARE), within, *pairs_within(boxes, probes, SQUARE))
+    # Of a coarse grid, and between its points, so that many are equally near.
+    side = int((objects / 10) ** 0.5)
+    boxes, probes = np.floor(boxes[:objects // 5] * side), np.floor(probes * side) + 0.5
+    given = geos.given(probes)
+    tree, of_geos = yield from builds("points of a grid", boxes,
+                                      (geos.name, geos.given(boxes), geos.build))
+    yield ("points of a grid", count, "nearest(boxes, all_ties=True)", geos.name,
+           lambda: tree.nearest(probes, all_ties=True)[0],
+           lambda: geos.nearest(of_geos, given, with_ties=True))
+
+
+def packages(geos, scale, rng):
     """Packages that take long to build, with fewer boxes."""
     objects, count, grow = 200_000 // scale, 20_000 // scale, (5 * scale) ** 0.5
     boxes, probes = (uniform(rng, n, 0.0005 * grow) for n in (objects, count))
     geometries, rows = rectangles(probes), probes.tolist()
     frame, its_frame = (geopandas.GeoDataFrame(geometry=some)
                         for some in (rectangles(boxes), geometries))
-    tree, of_shapely, of_rtree = table.build("fewer uniform boxes", boxes, [
-        (SHAPELY, list(frame.geometry), build_shapely), (RTREE, boxes.tolist(), build_rtree)])
+    name = "fewer uniform boxes"
+    tree, of_shapely, of_rtree = yield from builds(
+        name, boxes, (SHAPELY, list(frame.geometry), build_shapely),
+        (RTREE, boxes.tolist(), build_rtree))
     for peer, ask in (
             (SHAPELY, lambda: [of_shapely.query_items(box) for box in geometries]),
             (RTREE, lambda: [list(of_rtree.intersection(row)) for row in rows])):
-        table.contest("query(boxes)", "fewer uniform boxes", count,
-                      (lambda: tree.query(probes), as_pairs), peer,
-                      (ask, lambda found: as_pairs(lists(found))))
-        table.contest("query(box), one a call", "fewer uniform boxes", count,
-                      (lambda: [tree.query(box) for box in probes],
-                       lambda found: as_pairs(lists(found))), peer,
-                      (ask, lambda found: as_pairs(lists(found))))
+        yield name, count, "query(boxes)", peer, lambda: tree.query(probes), ask
+        yield (name, count, "query(box), one a call", peer,
+               lambda: [tree.query(box) for box in probes], ask)
     few = probes[:count // 10]
-    table.contest("nearest(boxes)", "fewer uniform boxes", len(few),
-                  (lambda: tree.nearest(few)[0], lambda found: sorted_distances(
-                      boxes, few, of_each(found))), RTREE,
-                  (lambda: [next(of_rtree.nearest(row)) for row in rows[:len(few)]],
-                   lambda found: sorted_distances(boxes, few, of_each(found))), near)
-    table.contest("geo.sjoin(frame, frame)", "fewer uniform boxes", count,
-                  (lambda: halfspace.geo.sjoin(its_frame, frame), joined_pairs), GEOPANDAS,
-                  (lambda: sjoin_anew(its_frame, frame), joined_pairs))
+    yield (name, len(few), "nearest(boxes)", RTREE, lambda: tree.nearest(few)[0],
+           lambda: [next(of_rtree.nearest(row)) for row in rows[:len(few)]],
+           *distances(boxes, few))
+    yield name, count, *joins_of(its_frame, frame)
 
 
-def sjoin_anew(left, right):
-    return geopandas.sjoin(left, right.copy())  # without the index of the last time
+def joins_of(left, right):
+    return ("geo.sjoin(frame, frame)", GEOPANDAS, lambda: halfspace.geo.sjoin(left, right),
+            lambda: geopandas.sjoin(left, right.copy()),  # without the index of the last time
+            lambda frame: as_pairs((frame.index, frame["index_right"])))
 
 
-def joined_pairs(frame):
-    return as_pairs((frame.index.to_numpy(), frame["index_right"].to_numpy()))
-
-
-def of_points(table, geos, scale, rng):
-    objects, count = 1_000_000 // scale, 100_000 // scale
-    boxes, probes = points(rng, objects), points(rng, count)
-    ours, theirs = boxes[:, :2].copy(), probes[:, :2].copy()
-    tree, of_scipy = table.build("points", boxes, [(SCIPY, ours, scipy.spatial.cKDTree)])
-    for k in (1, 8):
-        table.contest(f"nearest(points, {k})", "points", count,
-                      (lambda: tree.nearest(theirs, k)[0], lambda found: sorted_distances(
-                          boxes, probes, of_each(found))), SCIPY,
-                      (lambda: of_scipy.query(theirs, k)[1], lambda found: sorted_distances(
-                          boxes, probes, of_each(found))), near)
-    squares = probes + [-SQUARE, -SQUARE, SQUARE, SQUARE]
-    as_lists = lambda found: as_pairs(lists(found))
-    table.contest("query(boxes), squares", "points", count,
-                  (lambda: tree.query(squares), as_pairs), SCIPY,
-                  (lambda: of_scipy.query_ball_point(
-                      theirs, SQUARE, p=np.inf, return_sorted=False), as_lists))
-    for call, ask in (("query_sphere(points, r)", lambda: tree.query_sphere(theirs, SQUARE)),
-                      ("query(boxes, within=)", lambda: tree.query(probes, within=SQUARE))):
-        table.contest(call, "points", count, (ask, as_pairs), SCIPY,
-                      (lambda: of_scipy.query_ball_point(theirs, SQUARE, return_sorted=False),
-                       as_lists), same_within(boxes, probes, SQUARE))
-    # Of a coarse grid, and between its points, so that many are equally near.
-    side = int((objects / 10) ** 0.5)
-    boxes, probes = np.floor(boxes[:objects // 5] * side), np.floor(probes * side) + 0.5
-    given = geos.given(probes)
-    tree, of_geos = table.build("points of a grid", boxes,
-                                [(geos.name, geos.given(boxes), geos.build)])
-    table.contest("nearest(boxes, all_ties=True)", "points of a grid", count,
-                  (lambda: tree.nearest(probes, all_ties=True)[0], as_pairs), geos.name,
-                  (lambda: geos.nearest(of_geos, given, with_ties=True),
-                   lambda found: as_pairs(geos.pairs(found))))
-
-
-def geometries(table, scale, rng):
+def geometries(geos, scale, rng):
     """Discs, and lines or points that are joined with them."""
     objects, count, grow = 20_000 // scale, 20_000 // scale, scale ** 0.5
     discs = [shapely.geometry.Point(*place).buffer(radius * grow)
@@ -436,9 +384,8 @@ def geometries(table, scale, rng):
     lines = [shapely.geometry.LineString(some) for some in
              np.stack([starts, starts + rng.uniform(-0.02, 0.02, (count, 2)) * grow], 1)]
     places = [shapely.geometry.Point(*place) for place in starts]
-    table.contest("geo.STRtree(geometries)", "discs", objects,
-                  (lambda: halfspace.geo.STRtree(discs), lambda _: ()),
-                  SHAPELY, (lambda: build_shapely(discs), lambda _: ()))
+    yield ("discs", objects, "geo.STRtree(geometries)", SHAPELY,
+           lambda: halfspace.geo.STRtree(discs), lambda: build_shapely(discs), lambda _: ())
     tree, of_shapely = halfspace.geo.STRtree(discs), build_shapely(discs)
 
     def intersects():
@@ -449,17 +396,13 @@ def geometries(table, scale, rng):
                           if prepared.intersects(discs[i])])
         return found
 
-    table.contest('geo.STRtree.query(..., "intersects")', "discs", count,
-                  (lambda: tree.query(lines, "intersects"), as_pairs),
-                  SHAPELY, (intersects, lambda found: as_pairs(lists(found))))
-    distances = lambda found: np.array([a.distance(discs[i]) for a, i in zip(places, found)])
-    table.contest("geo.STRtree.nearest", "discs", count,
-                  (lambda: tree.nearest(places), distances), SHAPELY,
-                  (lambda: [of_shapely.nearest_item(place) for place in places], distances))
-    frame, its_frame = (geopandas.GeoDataFrame(geometry=some) for some in (discs, places))
-    table.contest("geo.sjoin(frame, frame)", "discs", count,
-                  (lambda: halfspace.geo.sjoin(its_frame, frame), joined_pairs), GEOPANDAS,
-                  (lambda: sjoin_anew(its_frame, frame), joined_pairs))
+    yield ("discs", count, 'geo.STRtree.query(..., "intersects")', SHAPELY,
+           lambda: tree.query(lines, "intersects"), intersects)
+    yield ("discs", count, "geo.STRtree.nearest", SHAPELY, lambda: tree.nearest(places),
+           lambda: [of_shapely.nearest_item(place) for place in places],
+           lambda found: np.array([a.distance(discs[i]) for a, i in zip(places, found)]))
+    frames = (geopandas.GeoDataFrame(geometry=some) for some in (places, discs))
+    yield "discs", count, *joins_of(*frames)
 
 
 # Exact tests of triangles in numpy, for the candidates that a BVH finds.
@@ -497,7 +440,7 @@ def least_of_each(rows, values, count):
     return least
 
 
-def triangles_of(table, scale, rng):
+def triangles_of(geos, scale, rng):
     triangles, count = bumps(200_000 // scale), 20_000 // scale
     flat = triangles.reshape(-1, 3)
     tree = hs.BVH(np.hstack([triangles.min(1), triangles.max(1)]))
@@ -512,10 +455,6 @@ def triangles_of(table, scale, rng):
         # Rays by an edge can hit for one of the two.
         return np.isclose(a, b, rtol=1e-3, atol=1e-5).mean() > 0.999
 
-    peer = f"numpy {np.__version__} over candidates"
-    table.contest("raycast(..., triangles=)", "triangles", count,
-                  (lambda: tree.raycast(origins, ways, triangles=triangles)[1], np.asarray),
-                  peer, (cast, np.asarray), almost)
     corners = scipy.spatial.cKDTree(flat)
     places = as_floats(rng.standard_normal((count, 3)))
 
@@ -524,9 +463,28 @@ def triangles_of(table, scale, rng):
         rows, ids = tree.query_sphere(places, corners.query(places)[0])
         return least_of_each(rows, distances_to(places[rows], triangles[ids]), count)
 
-    table.contest("closest_point(points, triangles)", "triangles", count,
-                  (lambda: tree.closest_point(places, triangles)[1], np.asarray),
-                  peer, (closest, np.asarray), almost)
+    peer = f"numpy {np.__version__} over candidates"
+    yield ("triangles", count, "raycast(..., triangles=)", peer,
+           lambda: tree.raycast(origins, ways, triangles=triangles)[1], cast, np.asarray, almost)
+    yield ("triangles", count, "closest_point(points, triangles)", peer,
+           lambda: tree.closest_point(places, triangles)[1], closest, np.asarray, almost)
+
+
+def table_of(rows):
+    column = report.column
+    return report.table(
+        "compare", "Calls of halfspace and of other packages, on one thread",
+        [column("call", key=True), column("objects", key=True), column("package", key=True),
+         column("results a query"), column("halfspace", "us a query", 3, better="lower"),
+         column("times", digits=1), column("halfspace, bytes an object", digits=0),
+         column("package, bytes an object", digits=0)], rows,
+        ["times: how many times as long the package takes as halfspace. A query of a build is "
+         "an object.",
+         "bytes an object: of the tree, without what the caller has before. For some packages "
+         "this has other objects of Python.",
+         "Shapely 2 calls the tree of GEOS from C for a whole array, so GEOS in C is the best "
+         "that its query, dwithin and query_nearest can reach. shapely 1.8 is called once for "
+         f"each query. {GEOPANDAS} uses rtree, and has no sjoin_nearest with it."])
 
 
 def main():
@@ -545,19 +503,17 @@ def main():
     scale = 100 if arguments.quick else 1
     warnings.simplefilter("ignore", shapely.errors.ShapelyDeprecationWarning)
     rng = np.random.default_rng(SEED)
-    table = Table(1 if arguments.quick else arguments.repetitions)
+    repetitions = 1 if arguments.quick else arguments.repetitions
     with tempfile.TemporaryDirectory() as directory:
         geos = Geos(directory)
-        boxes_of(table, geos, scale, rng)
-        of_points(table, geos, scale, rng)
-        packages(table, scale, rng)
-        geometries(table, scale, rng)
-        triangles_of(table, scale, rng)
+        rows = [row_of(repetitions, *row)
+                for world in (boxes_of, of_points, packages, geometries, triangles_of)
+                for row in world(geos, scale, rng)]
     report.progress("")
-    tables = [table.result()]
+    tables = [table_of(rows)]
     report.show(tables)
     if arguments.out:
-        report.write(arguments.out, tables, SEED, table.repetitions)
+        report.write(arguments.out, tables, SEED, repetitions)
 
 
 if __name__ == "__main__":

@@ -1,49 +1,46 @@
 // GEOS's STRtree, as a library that calls it from C would use it: with the
 // reentrant API, and with callbacks that only store their result. compare.py
-// compiles this file and calls it through ctypes.
-//
-// Every function that can fail returns a null pointer or -1.
+// compiles this file and calls it through ctypes, on one thread. Without memory
+// it aborts.
 #include <geos_c.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 
+static GEOSContextHandle_t context;
+
+static void* Made(void* made) {
+  if (made == NULL) abort();
+  return made;
+}
+
 // Rectangles, made before anything is timed: callers of GEOS have geometries.
 typedef struct {
-  GEOSContextHandle_t context;
   const double* boxes;  // min x, min y, max x, max y; the caller's
   size_t count;
-  GEOSGeometry** geometries;
+  GEOSGeometry* geometries[];
 } Rectangles;
 
 const char* geos_version(void) { return GEOSversion(); }
 
-void geos_rectangles_free(Rectangles* rectangles) {
-  for (size_t i = 0; i < rectangles->count; ++i) {
-    GEOSGeom_destroy_r(rectangles->context, rectangles->geometries[i]);
+Rectangles* geos_rectangles(const double* boxes, size_t count) {
+  if (context == NULL) context = Made(GEOS_init_r());
+  Rectangles* made =
+      Made(malloc(sizeof(Rectangles) + count * sizeof(GEOSGeometry*)));
+  made->boxes = boxes;
+  made->count = count;
+  for (size_t i = 0; i < count; ++i, boxes += 4) {
+    made->geometries[i] = Made(GEOSGeom_createRectangle_r(
+        context, boxes[0], boxes[1], boxes[2], boxes[3]));
   }
-  free(rectangles->geometries);
-  GEOS_finish_r(rectangles->context);
-  free(rectangles);
+  return made;
 }
 
-Rectangles* geos_rectangles(const double* boxes, size_t count) {
-  Rectangles* made = malloc(sizeof(Rectangles));
-  if (made == NULL) return NULL;
-  made->context = GEOS_init_r();
-  made->boxes = boxes;
-  made->count = 0;
-  made->geometries = malloc(count * sizeof(GEOSGeometry*));
-  for (; made->geometries != NULL && made->count < count; ++made->count) {
-    const double* box = boxes + 4 * made->count;
-    GEOSGeometry* geometry = GEOSGeom_createRectangle_r(made->context, box[0],
-                                                        box[1], box[2], box[3]);
-    if (geometry == NULL) break;
-    made->geometries[made->count] = geometry;
+void geos_rectangles_free(Rectangles* rectangles) {
+  for (size_t i = 0; i < rectangles->count; ++i) {
+    GEOSGeom_destroy_r(context, rectangles->geometries[i]);
   }
-  if (made->count == count) return made;
-  geos_rectangles_free(made);
-  return NULL;
+  free(rectangles);
 }
 
 static void Ignore(void* item, void* data) {
@@ -51,33 +48,25 @@ static void Ignore(void* item, void* data) {
   (void)data;
 }
 
-void geos_tree_free(GEOSSTRtree* tree, const Rectangles* objects) {
-  GEOSSTRtree_destroy_r(objects->context, tree);
-}
-
 // The items are ids. They are stored plus 1, because nearest returns a null
 // pointer for an error.
 GEOSSTRtree* geos_tree(const Rectangles* objects) {
   const size_t node_capacity = 10;  // Shapely's and GEOS's own
-  GEOSSTRtree* tree = GEOSSTRtree_create_r(objects->context, node_capacity);
-  if (tree == NULL || objects->count == 0) return tree;
+  GEOSSTRtree* tree = Made(GEOSSTRtree_create_r(context, node_capacity));
   for (size_t i = 0; i < objects->count; ++i) {
-    GEOSSTRtree_insert_r(objects->context, tree, objects->geometries[i],
-                         (void*)(i + 1));
+    GEOSSTRtree_insert_r(context, tree, objects->geometries[i], (void*)(i + 1));
   }
   // The first query builds the tree.
-  GEOSSTRtree_query_r(objects->context, tree, objects->geometries[0], Ignore,
-                      NULL);
+  GEOSSTRtree_query_r(context, tree, objects->geometries[0], Ignore, NULL);
   return tree;
 }
 
+void geos_tree_free(GEOSSTRtree* tree) { GEOSSTRtree_destroy_r(context, tree); }
+
 typedef struct {
-  int64_t* rows;
-  int64_t* ids;
+  int64_t (*pairs)[2];  // of a probe and an object
   size_t count, capacity;
-  int has_failed;
   // Of the query.
-  GEOSContextHandle_t context;
   GEOSGeometry* const* objects;
   const GEOSPreparedGeometry* probe;  // null without a distance
   double within;
@@ -86,17 +75,12 @@ typedef struct {
 
 static void Append(Pairs* pairs, int64_t id) {
   if (pairs->count == pairs->capacity) {
-    const size_t capacity = pairs->capacity * 2 + 1024;
-    int64_t* rows = realloc(pairs->rows, capacity * sizeof(int64_t));
-    if (rows != NULL) pairs->rows = rows;
-    int64_t* ids = realloc(pairs->ids, capacity * sizeof(int64_t));
-    if (ids != NULL) pairs->ids = ids;
-    pairs->has_failed |= rows == NULL || ids == NULL;
-    if (pairs->has_failed) return;
-    pairs->capacity = capacity;
+    pairs->capacity = pairs->capacity * 2 + 1024;
+    pairs->pairs =
+        Made(realloc(pairs->pairs, pairs->capacity * sizeof(*pairs->pairs)));
   }
-  pairs->rows[pairs->count] = pairs->row;
-  pairs->ids[pairs->count++] = id;
+  pairs->pairs[pairs->count][0] = pairs->row;
+  pairs->pairs[pairs->count++][1] = id;
 }
 
 static void AppendNear(void* item, void* data) {
@@ -104,43 +88,36 @@ static void AppendNear(void* item, void* data) {
   const int64_t id = (int64_t)(intptr_t)item - 1;
   const int is_near =
       pairs->probe == NULL ||
-      GEOSPreparedDistanceWithin_r(pairs->context, pairs->probe,
-                                   pairs->objects[id], pairs->within);
+      GEOSPreparedDistanceWithin_r(context, pairs->probe, pairs->objects[id],
+                                   pairs->within);
   if (is_near) Append(pairs, id);
 }
 
-static int64_t Finish(const Pairs* pairs, int64_t** rows, int64_t** ids) {
-  *rows = pairs->rows;
-  *ids = pairs->ids;
-  return pairs->has_failed ? -1 : (int64_t)pairs->count;
-}
-
 // Returns the number of pairs of a probe and an object that overlap, or that
-// are at most `within` apart if this is not 0, in *rows and *ids, which the
-// caller frees.
-int64_t geos_join(GEOSSTRtree* tree, const Rectangles* objects,
-                  const Rectangles* probes, double within, int64_t** rows,
-                  int64_t** ids) {
-  Pairs pairs = {.context = probes->context,
-                 .objects = objects->geometries,
-                 .within = within};
+// are at most `within` apart if this is not 0, in *found, which the caller
+// frees.
+size_t geos_join(GEOSSTRtree* tree, const Rectangles* objects,
+                 const Rectangles* probes, double within,
+                 int64_t (**found)[2]) {
+  Pairs pairs = {.objects = objects->geometries, .within = within};
   for (size_t i = 0; i < probes->count; ++i) {
     pairs.row = (int64_t)i;
     if (within == 0) {
-      GEOSSTRtree_query_r(pairs.context, tree, probes->geometries[i],
-                          AppendNear, &pairs);
+      GEOSSTRtree_query_r(context, tree, probes->geometries[i], AppendNear,
+                          &pairs);
       continue;
     }
     const double* box = probes->boxes + 4 * i;
-    GEOSGeometry* around = GEOSGeom_createRectangle_r(
-        pairs.context, box[0] - within, box[1] - within, box[2] + within,
-        box[3] + within);
-    pairs.probe = GEOSPrepare_r(pairs.context, probes->geometries[i]);
-    GEOSSTRtree_query_r(pairs.context, tree, around, AppendNear, &pairs);
-    GEOSPreparedGeom_destroy_r(pairs.context, pairs.probe);
-    GEOSGeom_destroy_r(pairs.context, around);
+    GEOSGeometry* around = Made(
+        GEOSGeom_createRectangle_r(context, box[0] - within, box[1] - within,
+                                   box[2] + within, box[3] + within));
+    pairs.probe = GEOSPrepare_r(context, probes->geometries[i]);
+    GEOSSTRtree_query_r(context, tree, around, AppendNear, &pairs);
+    GEOSPreparedGeom_destroy_r(context, pairs.probe);
+    GEOSGeom_destroy_r(context, around);
   }
-  return Finish(&pairs, rows, ids);
+  *found = pairs.pairs;
+  return pairs.count;
 }
 
 static double Gap(double min_a, double max_a, double min_b, double max_b) {
@@ -179,19 +156,19 @@ static int BoxDistance(const void* a, const void* b, double* distance,
 }
 
 // The same for the nearest object of each probe, or for all that are as near.
-int64_t geos_nearest(GEOSSTRtree* tree, const Rectangles* objects,
-                     const Rectangles* probes, int with_ties, int64_t** rows,
-                     int64_t** ids) {
+size_t geos_nearest(GEOSSTRtree* tree, const Rectangles* objects,
+                    const Rectangles* probes, int with_ties,
+                    int64_t (**found)[2]) {
   Pairs pairs = {0};
   for (size_t i = 0; i < probes->count; ++i) {
     pairs.row = (int64_t)i;
     Nearest nearest = {objects->boxes, probes->boxes + 4 * i,
                        with_ties ? &pairs : NULL, pairs.count, INFINITY};
     const void* item = GEOSSTRtree_nearest_generic_r(
-        probes->context, tree, probes->geometries[i], probes->geometries[i],
+        context, tree, probes->geometries[i], probes->geometries[i],
         BoxDistance, &nearest);
-    pairs.has_failed |= item == NULL;
     if (!with_ties) Append(&pairs, (int64_t)(intptr_t)item - 1);
   }
-  return Finish(&pairs, rows, ids);
+  *found = pairs.pairs;
+  return pairs.count;
 }
