@@ -50,14 +50,10 @@ def seconds(call):
     return time.perf_counter() - begin, result
 
 
-def microseconds(queries, call):
-    return seconds(call)[0] / len(queries) * 1e6
-
-
 def query_times(tree, queries):
-    """One a call, and all in one call."""
-    return (microseconds(queries, lambda: [tree.query(box) for box in queries]),
-            microseconds(queries, lambda: tree.query(queries)))
+    """Microseconds of one query: one a call, and all in one call."""
+    calls = lambda: [tree.query(box) for box in queries], lambda: tree.query(queries)
+    return [seconds(call)[0] / len(queries) * 1e6 for call in calls]
 
 
 def check(tree, queries, objects):
@@ -79,7 +75,7 @@ def measure(objects, memory, folder):
     build, tree = seconds(lambda: hs.BVH.from_chunks(path, chunks_of(objects),
                                                      memory=memory))
     check(tree, queries, objects)
-    query = microseconds(queries, lambda: [tree.query(box) for box in queries])
+    query, _ = query_times(tree, queries)
     result = {"make": make, "build": build, "query": query, "bytes": os.path.getsize(path),
               "rss": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024}
     print(json.dumps(result))
@@ -129,8 +125,8 @@ def in_memory(objects, repetitions=5):
                 took, trees[name] = seconds(build)
                 query_times(trees[name], queries)  # maps the pages
                 times[name].append((took, *query_times(trees[name], queries)))
-        answers = {name: np.sort(tree.query(queries)[1]).tolist() for name, tree in trees.items()}
-        if not answers["chunks"] == answers["fast"] == answers["high"]:
+        answers = [np.sort(tree.query(queries)[1]).tolist() for tree in trees.values()]
+        if answers != answers[:1] * 3:
             sys.exit("trees of the same boxes find different ones")
         for name in ("fast", "high"):
             over, under = np.array(times["chunks"]), np.array(times[name])
