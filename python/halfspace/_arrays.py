@@ -51,14 +51,25 @@ def boxes(
 ) -> Table:
     """Boxes as 2 * d columns: the minima, then the maxima. With `axes`, also bounds as
     2 * axes columns."""
-    expected = _expected_boxes(dims)
+    if dims is None:
+        expected = (
+            "boxes of shape (n, 6), (n, 4), (6,) or (4,), or two arrays (minima, "
+            "maxima) of shape (n, 3) or (n, 2)"
+        )
+    else:
+        expected = (
+            f"boxes of shape (n, {2 * dims}) or ({2 * dims},), or two arrays (minima, "
+            f"maxima) of shape (n, {dims}), for a tree of {dims} dimensions"
+        )
     if axes is not None and axes != dims:
         expected += f", or octahedra of shape (n, {2 * axes}) or ({2 * axes},)"
     arrays, single = _box_arrays(value, name, expected)
     columns = sum(a.shape[1] for a in arrays)
     allowed = (4, 6) if dims is None else (2 * dims, 2 * (axes or dims))
     if columns not in allowed:
-        raise ValueError(f"{name}: expected {expected}, got {_shapes(value, arrays)}")
+        shapes = [a.shape for a in arrays] if len(arrays) > 1 else [np.shape(value)]
+        got = " and ".join(map(str, shapes))
+        raise ValueError(f"{name}: expected {expected}, got shape {got}")
     table = _table(arrays, single, name, most)
     bad = _halfspace.first_bad_box(table.arrays, False)
     if bad >= 0:
@@ -66,14 +77,12 @@ def boxes(
     return table
 
 
-def points(value: Any, name: str, dims: int) -> Table:
-    """Points, or directions, as d columns."""
+def points(value: Any, name: str, dims: int, others: str = "") -> Table:
+    """Points, or directions, as d columns. An error names `others`, too."""
     array = numbers(value, name)
-    if array.ndim not in (1, 2) or array.shape[-1] != dims:
-        raise ValueError(
-            f"{name}: expected points of shape (n, {dims}) or ({dims},), "
-            f"got shape {array.shape}"
-        )
+    is_right = array.ndim in (1, 2) and array.shape[-1] == dims
+    expected = f"points of shape (n, {dims}) or ({dims},){others}"
+    _check_shape(is_right, array, name, expected)
     return _without_nan(array, name)
 
 
@@ -132,46 +141,35 @@ def points_or_boxes(value: Any, name: str, dims: int) -> Table:
     if _is_pair_of_tables(value):
         return boxes(value, name, dims)
     array = numbers(value, name)
-    if array.ndim not in (1, 2) or array.shape[-1] not in (dims, 2 * dims):
-        raise ValueError(
-            f"{name}: expected points of shape (n, {dims}) or ({dims},), or boxes "
-            f"of shape (n, {2 * dims}) or ({2 * dims},), got shape {array.shape}"
-        )
-    if array.shape[-1] == 2 * dims:
+    if array.ndim in (1, 2) and array.shape[-1] == 2 * dims:
         return boxes(array, name, dims)
-    return _without_nan(array, name)
+    others = f", or boxes of shape (n, {2 * dims}) or ({2 * dims},)"
+    return points(array, name, dims, others)
 
 
 def per_row(value: Any, name: str, count: int) -> Table:
     """One number for each row, or the same number for all, rounded up to float32."""
     array = numbers(value, name)
-    if array.shape not in ((), (count,)):
-        raise ValueError(
-            f"{name}: expected one number or an array of shape ({count},), "
-            f"got shape {array.shape}"
-        )
+    is_right = array.shape in ((), (count,))
+    _check_shape(is_right, array, name, f"one number or an array of shape ({count},)")
     exact: np.ndarray = array.astype(_float_type(array, name))
     if not (exact >= 0).all():
         raise ValueError(f"{name}: expected numbers that are not negative and not NaN")
     column: np.ndarray = np.empty((count, 1), np.float32)
-    if exact.ndim == 0:
-        column[:] = round_up(float(exact))
-    else:
-        with np.errstate(over="ignore"):
-            column[:, 0] = exact
-        low = column[:, 0] < exact
-        column[low, 0] = np.nextafter(column[low, 0], np.float32(np.inf))
+    column[:, 0] = _rounded_up(exact)
     return Table((column,), count, False)
 
 
 def round_up(value: float) -> float:
     """The least float32 that is not below a number."""
-    if value > MOST_FLOAT:
-        return math.inf
-    nearest = np.float32(value)
-    if nearest < value:
-        nearest = np.nextafter(nearest, np.float32(np.inf))
-    return float(nearest)
+    return float(_rounded_up(np.array(value, np.float64)))
+
+
+def _rounded_up(exact: np.ndarray) -> np.ndarray:
+    with np.errstate(over="ignore"):
+        up = np.array(exact, np.float32)
+        np.nextafter(up, np.float32(np.inf), out=up, where=up < exact)
+    return up
 
 
 def ids(value: Any, name: str) -> np.ndarray:
@@ -184,12 +182,7 @@ def ids(value: Any, name: str) -> np.ndarray:
             f"{name}: expected an integer or a one-dimensional array of integers, "
             f"got {array.dtype} of shape {array.shape}"
         )
-    array = np.atleast_1d(array)
-    bad = (array < 0) | (array >= MOST_OBJECTS)
-    if bad.any():
-        i = int(bad.argmax())
-        raise ValueError(f"{name}[{i}]: expected the id of an object, got {array[i]}")
-    return np.ascontiguousarray(array, np.uint32)
+    return _unsigned(array, name, MOST_OBJECTS, "the id of an object")
 
 
 def masks(categories: Any, collides_with: Any, count: int) -> np.ndarray:
@@ -221,21 +214,11 @@ def margin(value: Any) -> float:
 
 def _masks(value: Any, name: str, count: int) -> np.ndarray:
     array = _array(value, name)
-    if array.shape not in ((), (count,)):
-        raise ValueError(
-            f"{name}: expected one integer or an array of shape ({count},), "
-            f"got shape {array.shape}"
-        )
+    is_right = array.shape in ((), (count,))
+    _check_shape(is_right, array, name, f"one integer or an array of shape ({count},)")
     if array.dtype.kind not in "iu" and array.size:
         raise TypeError(f"{name}: expected integers of 32 bits, got {array.dtype}")
-    bad = np.atleast_1d((array < 0) | (array > ALL_MASKS))
-    if bad.any():
-        i = int(bad.argmax())
-        raise ValueError(
-            f"{name}[{i}]: expected an integer from 0 to 2^32 - 1, got "
-            f"{np.atleast_1d(array)[i]}"
-        )
-    return array.astype(np.uint32)
+    return _unsigned(array, name, 2**32, "an integer from 0 to 2^32 - 1")
 
 
 def mask(value: Optional[int]) -> int:
@@ -270,25 +253,16 @@ def rounded_boxes(boxes: Table, within: Any) -> Table:
     """Boxes and the distance from each as 2 * d + 1 columns: floats that enclose those
     of doubles."""
     limits = per_row(within, "within", boxes.length)
-    exact = np.concatenate(boxes.arrays, axis=1)
-    with np.errstate(over="ignore"):
-        rounded = exact.astype(np.float32)
-    d = exact.shape[1] // 2
-    low, high = rounded[:, :d], rounded[:, d:]
-    np.nextafter(low, np.float32(-np.inf), out=low, where=low > exact[:, :d])
-    np.nextafter(high, np.float32(np.inf), out=high, where=high < exact[:, d:])
-    columns = np.concatenate((rounded,) + limits.arrays, axis=1)
-    return boxes._replace(arrays=(columns,))
+    low, high = np.split(np.concatenate(boxes.arrays, axis=1), 2, axis=1)
+    enclosing = (-_rounded_up(-low), _rounded_up(high), *limits.arrays)
+    return boxes._replace(arrays=(np.concatenate(enclosing, axis=1),))
 
 
 def vertices(value: Any, name: str) -> np.ndarray:
     """A contiguous array of points without NaN, in 2 or 3 dimensions."""
     array = numbers(value, name)
-    if array.ndim != 2 or array.shape[1] not in (2, 3):
-        raise ValueError(
-            f"{name}: expected points of shape (n, 3) or (n, 2), got shape "
-            f"{array.shape}"
-        )
+    is_right = array.ndim == 2 and array.shape[1] in (2, 3)
+    _check_shape(is_right, array, name, "points of shape (n, 3) or (n, 2)")
     table = _without_nan(np.require(array, _float_type(array, name), ["C", "A"]), name)
     return table.arrays[0]
 
@@ -296,8 +270,7 @@ def vertices(value: Any, name: str) -> np.ndarray:
 def triangles(value: Any, least: int) -> Arrays:
     """At least so many triangles, as 9 columns of float32."""
     array = numbers(value, "triangles")
-    if array.ndim != 3 or array.shape[1:] != (3, 3):
-        raise ValueError(f"triangles: expected shape (n, 3, 3), got {array.shape}")
+    _check_shape(array.shape[1:] == (3, 3), array, "triangles", "shape (n, 3, 3)")
     if len(array) < least:
         raise ValueError(
             f"triangles: expected one for each of the ids up to {least - 1}, got "
@@ -311,18 +284,25 @@ def faces(value: Any, name: str, count: int) -> np.ndarray:
     array = _array(value, name)
     if array.shape == (0,):
         array = array.reshape(0, 3)
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise ValueError(f"{name}: expected shape (n, 3), got shape {array.shape}")
+    _check_shape(array.shape[1:] == (3,), array, name, "shape (n, 3)")
     if array.size and array.dtype.kind not in "iu":
         raise TypeError(f"{name}: expected integers, got {array.dtype}")
-    bad = ((array < 0) | (array >= count)).any(axis=1)
-    if bad.any():
-        i = int(bad.argmax())
-        raise ValueError(
-            f"{name}[{i}]: expected indices from 0 to {count - 1}, got "
-            f"{array[i].tolist()}"
-        )
+    return _unsigned(array, name, count, f"indices from 0 to {count - 1}")
+
+
+def _unsigned(array: np.ndarray, name: str, end: int, expected: str) -> np.ndarray:
+    """A contiguous array of uint32. Its integers must be below `end`."""
+    array = np.atleast_1d(array)
+    bad = np.argwhere((array < 0) | (array >= end))
+    if len(bad):
+        i = int(bad[0, 0])
+        raise ValueError(f"{name}[{i}]: expected {expected}, got {array[i].tolist()}")
     return np.require(array, np.uint32, ["C", "A"])
+
+
+def _check_shape(is_right: bool, array: np.ndarray, name: str, expected: str) -> None:
+    if not is_right:
+        raise ValueError(f"{name}: expected {expected}, got shape {array.shape}")
 
 
 def threads(value: Optional[int]) -> int:
@@ -394,18 +374,6 @@ def _repeat(table: Table, count: int) -> Table:
     return Table(arrays, count, False)
 
 
-def _expected_boxes(dims: Optional[int]) -> str:
-    if dims is None:
-        return (
-            "boxes of shape (n, 6), (n, 4), (6,) or (4,), or two arrays (minima, "
-            "maxima) of shape (n, 3) or (n, 2)"
-        )
-    return (
-        f"boxes of shape (n, {2 * dims}) or ({2 * dims},), or two arrays (minima, "
-        f"maxima) of shape (n, {dims}), for a tree of {dims} dimensions"
-    )
-
-
 def _box_arrays(
     value: Any, name: str, expected: str
 ) -> Tuple[List[np.ndarray], bool]:
@@ -420,13 +388,21 @@ def _box_arrays(
     columns = _columns_of(value)
     if columns:
         arrays = [_column(c, f"{name}[{i}]") for i, c in enumerate(columns)]
-        _check_columns(arrays, name)
+        lengths = [len(a) for a in arrays]
+        if len(set(lengths)) != 1:
+            raise ValueError(
+                f"{name}: expected columns of the same length, got lengths {lengths}"
+            )
+        if lengths[0] == len(columns):
+            raise ValueError(
+                f"{name}: a tuple of {len(columns)} arrays of length {lengths[0]} can be "
+                "rows or columns: pass a list of rows, or numpy.column_stack(columns)"
+            )
         return arrays, False
     array = numbers(value, name)
     if array.ndim == 1:
         return [array.reshape(1, -1)], True
-    if array.ndim != 2:
-        raise ValueError(f"{name}: expected {expected}, got shape {array.shape}")
+    _check_shape(array.ndim == 2, array, name, expected)
     return [array], False
 
 
@@ -446,19 +422,6 @@ def _columns_of(value: Any) -> Sequence[Any]:
     if isinstance(value, tuple) and all(_ndim(v) == 1 for v in value):
         return value
     return []
-
-
-def _check_columns(columns: Sequence[np.ndarray], name: str) -> None:
-    lengths = [a.shape[0] for a in columns]
-    if len(set(lengths)) != 1:
-        raise ValueError(
-            f"{name}: expected columns of the same length, got lengths {lengths}"
-        )
-    if lengths[0] == len(columns):
-        raise ValueError(
-            f"{name}: a tuple of {len(columns)} arrays of length {lengths[0]} can be rows "
-            "or columns: pass a list of rows, or numpy.column_stack(columns)"
-        )
 
 
 def _ndim(value: Any) -> Optional[int]:
@@ -524,19 +487,17 @@ def _float_type(array: np.ndarray, name: str) -> type:
     if kind == "f" and size <= 8:
         return np.float64 if size == 8 else np.float32
     if kind in "iu":
-        if size == 8 and array.size and not _is_exact(array):
-            raise ValueError(
-                f"{name}: expected integers between -2^53 and 2^53, which float64 "
-                f"represents exactly, got {array.min()} to {array.max()}"
-            )
+        if size == 8 and array.size:
+            low, high = int(array.min()), int(array.max())
+            if low < -(2**53) or high > 2**53:
+                raise ValueError(
+                    f"{name}: expected integers between -2^53 and 2^53, which float64 "
+                    f"represents exactly, got {low} to {high}"
+                )
         return np.float64
     raise TypeError(
         f"{name}: expected float32, float64 or integers, got {array.dtype}"
     )
-
-
-def _is_exact(array: np.ndarray) -> bool:
-    return -(2**53) <= int(array.min()) and int(array.max()) <= 2**53
 
 
 def _table(
@@ -557,16 +518,14 @@ def _table(
 
 def _is_readable(arrays: Sequence[np.ndarray], dtype: np.dtype) -> bool:
     """Whether the compiled part can read the arrays without a copy."""
-    for a in arrays:
-        if a.dtype != dtype or not a.flags.aligned:
-            return False
-        if a.shape[0] > 1 and (
-            a.strides[0] != arrays[0].strides[0]
-            or a.strides[0] <= 0
-            or a.strides[0] % dtype.itemsize
-        ):
-            return False
-    return True
+    stride = arrays[0].strides[0]
+    is_right = stride > 0 and stride % dtype.itemsize == 0
+    return all(
+        a.dtype == dtype
+        and a.flags.aligned
+        and (len(a) <= 1 or (is_right and a.strides[0] == stride))
+        for a in arrays
+    )
 
 
 def _without_nan(array: np.ndarray, name: str) -> Table:
@@ -595,9 +554,3 @@ def _raise_bad_box(table: Table, name: str, row: int) -> None:
         f"{float(box[half + axis])!r} on axis {axis} of {values}. The columns are "
         "the minima of all axes, then the maxima"
     )
-
-
-def _shapes(value: Any, arrays: Sequence[np.ndarray]) -> str:
-    if len(arrays) == 1:
-        return f"shape {np.shape(value)}"
-    return "shapes " + " and ".join(str(a.shape) for a in arrays)

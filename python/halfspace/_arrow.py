@@ -46,17 +46,11 @@ _pointer_of = ctypes.PYFUNCTYPE(ctypes.c_void_p, ctypes.py_object, ctypes.c_char
 _TYPES = {b"f": np.dtype(np.float32), b"g": np.dtype(np.float64)}
 
 
-class _Memory:
-    """What NumPy reads an array from. The array keeps it alive, and its owner."""
-
-    def __init__(self, address: int, dtype: np.dtype, length: int, owner: Any) -> None:
-        self.__array_interface__ = {
-            "version": 3,
-            "typestr": dtype.str,
-            "shape": (length,),
-            "data": (address, True),
-        }
-        self.owner = owner
+def _memory(address: int, dtype: np.dtype, length: int, owner: Any) -> np.ndarray:
+    """The memory at an address, as an array that keeps its owner alive."""
+    memory: Any = (ctypes.c_char * (length * dtype.itemsize)).from_address(address)
+    memory.owner = owner
+    return np.frombuffer(memory, dtype)
 
 
 def column(value: Any, name: str) -> np.ndarray:
@@ -82,7 +76,7 @@ def column(value: Any, name: str) -> np.ndarray:
     bitmap, values = array.buffers[0], array.buffers[1]
     if array.null_count != 0 and bitmap and length > 0:
         size = (offset + length + 7) // 8
-        bits = np.asarray(_Memory(bitmap, np.dtype(np.uint8), size, made[1]))
+        bits = _memory(bitmap, np.dtype(np.uint8), size, made[1])
         present = np.unpackbits(bits, bitorder="little")[offset : offset + length]
         if not present.all():
             row = int(present.argmin())
@@ -90,4 +84,4 @@ def column(value: Any, name: str) -> np.ndarray:
     if length == 0 or not values:
         return np.empty(0, dtype)
     address = values + offset * dtype.itemsize
-    return np.asarray(_Memory(address, dtype, length, made[1]))
+    return _memory(address, dtype, length, made[1])

@@ -111,7 +111,7 @@ class STRtree:
         rows, ids = self._overlaps(boxes, np.flatnonzero(is_used))
         if predicate is not None:
             if predicate == "dwithin":
-                is_kept = self._distances(given, rows, ids) <= limits[rows]
+                is_kept = self._ask("distance", given, rows, ids) <= limits[rows]
             else:
                 is_kept = self._hold(predicate, given, rows, ids)
             rows, ids = rows[is_kept], ids[is_kept]
@@ -173,10 +173,10 @@ class STRtree:
         # Without a limit no other geometry is in the tree.
         used = used[limits[used] < np.inf] if len(self) else used[:0]
         rows, ids = self._overlaps(_grown(boxes, limits), used)
-        distances = self._distances(given, rows, ids)
+        distances = self._ask("distance", given, rows, ids)
         is_kept = distances <= limits[rows]
         if exclusive:
-            is_kept &= ~self._are_equal(given, rows, ids)
+            is_kept &= ~self._ask("equals", given, rows, ids)
         rows, ids, distances = rows[is_kept], ids[is_kept], distances[is_kept]
         # By distance, then by index, for each row.
         order = np.lexsort((ids, distances, rows))
@@ -206,39 +206,32 @@ class STRtree:
             near, _ = self._tree.nearest(boxes[used[left]], k)
             ids = near.ravel()
             rows = np.repeat(used[left], k)
-            distances = self._distances(given, rows, ids)
+            distances = self._ask("distance", given, rows, ids)
             if exclusive:
-                distances[self._are_equal(given, rows, ids)] = np.inf
+                distances[self._ask("equals", given, rows, ids)] = np.inf
             best[left] = distances.reshape(-1, k).min(axis=1)
             if k == len(self):
                 break
             left, k = left[np.isinf(best[left])], 8 * k
         return best
 
-    def _pairs(
-        self, given: np.ndarray, rows: np.ndarray, ids: np.ndarray
-    ) -> Tuple[np.ndarray, np.ndarray]:
-        return given[rows], self._geometries[self._index[ids]]
-
-    def _distances(self, given: np.ndarray, rows: np.ndarray, ids: np.ndarray) -> np.ndarray:
-        a, b = self._pairs(given, rows, ids)
+    def _ask(
+        self, call: str, given: np.ndarray, rows: np.ndarray, ids: np.ndarray
+    ) -> np.ndarray:
+        """What a call of shapely returns for pairs of geometries."""
+        a, b = given[rows], self._geometries[self._index[ids]]
         if _IS_VECTORISED:
-            return shapely.distance(a, b)
-        return np.array([x.distance(y) for x, y in zip(a, b)], np.float64)
-
-    def _are_equal(self, given: np.ndarray, rows: np.ndarray, ids: np.ndarray) -> np.ndarray:
-        a, b = self._pairs(given, rows, ids)
-        if _IS_VECTORISED:
-            return shapely.equals(a, b)
-        return np.array([x.equals(y) for x, y in zip(a, b)], bool)
+            return getattr(shapely, call)(a, b)
+        dtype = float if call == "distance" else bool
+        return np.array([getattr(x, call)(y) for x, y in zip(a, b)], dtype)
 
     def _hold(
         self, predicate: str, given: np.ndarray, rows: np.ndarray, ids: np.ndarray
     ) -> np.ndarray:
-        a, b = self._pairs(given, rows, ids)
         if _IS_VECTORISED:
             shapely.prepare(given[np.unique(rows)])
-            return getattr(shapely, predicate)(a, b)
+            return self._ask(predicate, given, rows, ids)
+        a, b = given[rows], self._geometries[self._index[ids]]
         if predicate == "covered_by":
             return np.array([y.covers(x) for x, y in zip(a, b)], bool)
         holds = np.zeros(len(rows), bool)
@@ -367,7 +360,7 @@ def _joined(
         ids = np.concatenate([ids, np.full(len(alone), -1)])
         values = np.concatenate([values, np.full(len(alone), np.nan)])
     order = np.lexsort((ids, rows))
-    result = its.iloc[rows[order]]
+    result = pandas.DataFrame(its.iloc[rows[order]])
     added = pandas.DataFrame(other.drop(columns=other.geometry.name))
     name = f"index_{lsuffix if is_right else rsuffix}"
     levels = added.index.nlevels
@@ -381,12 +374,11 @@ def _joined(
     both = result.columns.intersection(added.columns)
     were_twice = np.concatenate([result.columns.duplicated(), added.columns.duplicated()])
     its_suffix, other_suffix = (rsuffix, lsuffix) if is_right else (lsuffix, rsuffix)
-    geometry = result.geometry.name
-    result = result.rename(columns={column: f"{column}_{its_suffix}" for column in both})
+    geometry = its.geometry.name
     if geometry in both:
-        result = result.set_geometry(f"{geometry}_{its_suffix}")
+        geometry = f"{geometry}_{its_suffix}"
+    result = result.rename(columns={column: f"{column}_{its_suffix}" for column in both})
     added = added.rename(columns={column: f"{column}_{other_suffix}" for column in both})
-    geometry = result.geometry.name
     parts = [added, result] if is_right else [result, added]
     names = result.columns.append(added.columns)
     if distance_col is not None:
