@@ -7,59 +7,12 @@ import halfspace as hs
 import numpy as np
 import pytest
 
-from conftest import as_matrix, overlaps
-
-OFFSET = 500_000
-
-
-def near_boxes(rng, n, dims):
-    """Boxes on a grid that doubles hold only about, so that many touch or nearly do, and
-    empty, infinite and huge ones."""
-    corners = rng.integers(0, 30, (n, dims)) * 0.1 + OFFSET
-    corners += rng.integers(-1, 2, (n, dims)) * 2.0**-34
-    boxes = np.hstack([corners, corners + 0.1])
-    if n > 9:
-        inf, high = [np.inf] * dims, [1e300] * dims
-        boxes[:6] = [inf + [-np.inf] * dims, [-np.inf] * dims + inf, high + inf, high + high,
-                     [5e-324] * 2 * dims, inf + inf]
-    return boxes
+from conftest import as_matrix, near_boxes, overlaps
 
 
 @pytest.fixture
 def boxes(rng, dims):
     return near_boxes(rng, 3000, dims)
-
-
-@pytest.mark.parametrize("n", [1500, 5000])
-@pytest.mark.parametrize("dtype", [np.float64, np.float32])
-def test_searches(rng, dims, boxes, n, dtype):
-    """With 5000 queries the call joins."""
-    with np.errstate(over="ignore"):
-        queries = near_boxes(rng, n, dims).astype(dtype)
-    tree, floats = hs.BVH(boxes, exact=True), hs.BVH(boxes)
-    tree.set_masks(1 << np.arange(len(boxes)) % 3)
-    expected = overlaps(queries.astype(float), boxes)
-    assert expected.sum() < floats.count(queries).sum() * (0.9 if dtype == np.float64 else 1)
-    in_mask = expected & (np.arange(len(boxes)) % 3 > 0)
-    for mask, its in ((None, expected), (6, in_mask)):
-        for threads in (1, 2):
-            found = tree.query(queries, mask=mask, threads=threads)
-            assert (as_matrix(found, its.shape) == its).all()
-            assert (np.diff(found[0]) >= 0).all()
-            counts = tree.count(queries, mask=mask, threads=threads)
-            assert (counts == its.sum(axis=1)).all()
-            assert (tree.any(queries, mask=mask) == its.any(axis=1)).all()
-        for most in (1, 100, 10**7):
-            some = queries[:30]
-            batches = list(tree.query_batches(some, most, mask=mask))
-            assert all(0 < batch.shape[1] <= most for batch in batches)
-            found = as_matrix(np.hstack(batches), (30, len(boxes)))
-            assert (found == its[:30]).all()
-        for one, row in zip(queries[:30], its):
-            assert sorted(tree.query(one, mask=mask)) == np.flatnonzero(row).tolist()
-            assert tree.count(one, mask=mask) == row.sum()
-            assert tree.any(one.tolist(), mask=mask) is bool(row.any())
-    assert tree.query(queries[:0]).shape == (2, 0)
 
 
 def test_pairs(rng, dims, boxes):
@@ -135,15 +88,3 @@ def test_changes(rng, dims, boxes, exact):
         with pytest.raises(TypeError, match="pickle an exact one"):
             call()
     assert tree.boxes([9, 8, 9]).tolist() == boxes[[9, 0, 9]].tolist()
-
-
-@pytest.mark.parametrize("n", [0, 1])
-def test_few(rng, dims, n):
-    its = near_boxes(rng, n, dims)
-    tree, other = hs.BVH(its, exact=True), hs.BVH(its)
-    assert tree.count(its).tolist() == [1] * n
-    assert hs.join(tree, other).shape == (2, n) and tree.pairs().shape == (2, 0)
-    tree.insert(np.zeros((3, 2 * dims)))
-    assert tree.count(np.zeros(2 * dims)) == 3
-    with pytest.raises(ValueError, match="expected numbers, got NaN"):
-        tree.insert([np.nan] * 2 * dims)

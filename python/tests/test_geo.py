@@ -9,6 +9,7 @@ pytest.importorskip("shapely", reason="needs python3-shapely")
 
 from shapely.geometry import GeometryCollection, LineString, MultiPoint, Point, Polygon, box
 
+from conftest import overlaps
 from halfspace import geo
 
 
@@ -42,10 +43,6 @@ def is_there(geometry):
     return geometry is not None and not geometry.is_empty
 
 
-def contains_properly(a, b):
-    return a.relate_pattern(b, "T**FF*FF*")
-
-
 def all_pairs(holds, given=GIVEN, geometries=GEOMETRIES):
     return [
         (i, j)
@@ -56,12 +53,7 @@ def all_pairs(holds, given=GIVEN, geometries=GEOMETRIES):
 
 
 def boxes_overlap(a, b):
-    return (
-        a.bounds[0] <= b.bounds[2]
-        and b.bounds[0] <= a.bounds[2]
-        and a.bounds[1] <= b.bounds[3]
-        and b.bounds[1] <= a.bounds[3]
-    )
+    return overlaps(np.array([a.bounds]), np.array([b.bounds])).all()
 
 
 def as_pairs(found):
@@ -76,7 +68,7 @@ def test_query(predicate):
         distance_of = {id(g): d for g, d in zip(GIVEN, options["distance"])}
         holds = lambda a, b: a.distance(b) <= distance_of[id(a)]
     elif predicate == "contains_properly":
-        holds = contains_properly
+        holds = lambda a, b: a.relate_pattern(b, "T**FF*FF*")
     elif predicate is not None:
         holds = lambda a, b: getattr(a, predicate)(b)
     expected = all_pairs(holds)
@@ -94,18 +86,10 @@ def test_query(predicate):
 def test_query_nearest(exclusive, max_distance):
     limit = np.inf if max_distance is None else max_distance
     given = GIVEN + GEOMETRIES[:40]
-    expected, distances = [], []
-    for i, a in enumerate(given):
-        if not is_there(a):
-            continue
-        near = [
-            (a.distance(b), j)
-            for j, b in enumerate(GEOMETRIES)
-            if is_there(b) and a.distance(b) <= limit and not (exclusive and a.equals(b))
-        ]
-        if near:
-            nearest = [(i, j, d) for d, j in near if d == min(near)[0]]
-            expected += nearest
+    is_near = lambda a, b: a.distance(b) <= limit and not (exclusive and a.equals(b))
+    near = [(i, j, given[i].distance(GEOMETRIES[j])) for i, j in all_pairs(is_near, given)]
+    least = {i: d for d, i in sorted(((d, i) for i, _, d in near), reverse=True)}
+    expected = [(i, j, d) for i, j, d in near if d == least[i]]
     found, its = TREE.query_nearest(given, max_distance, True, exclusive)
     assert [(i, j, d) for (i, j), d in zip(as_pairs(found), its)] == expected
     first = TREE.query_nearest(given, max_distance, exclusive=exclusive, all_matches=False)
@@ -293,14 +277,14 @@ def test_sjoin_nearest(how, max_distance):
 
 def test_sjoin_errors():
     frame = frame_of(3, 7, ["a"])
-    with pytest.raises(ValueError, match="how: expected"):
-        geo.sjoin(frame, frame, "outer")
-    with pytest.raises(ValueError, match="right_df: expected a GeoDataFrame, got ndarray"):
-        geo.sjoin(frame, np.ones(3))
-    with pytest.raises(ValueError, match="left_df: expected no column 'index_right'"):
-        geo.sjoin(frame.assign(index_right=1), frame)
-    with pytest.raises(ValueError, match="predicate: 'near'"):
-        geo.sjoin(frame, frame, predicate="near")
+    for left, right, options, text in (
+        (frame, frame, {"how": "outer"}, "how: expected"),
+        (frame, np.ones(3), {}, "right_df: expected a GeoDataFrame, got ndarray"),
+        (frame.assign(index_right=1), frame, {}, "left_df: expected no column 'index_right'"),
+        (frame, frame, {"predicate": "near"}, "predicate: 'near'"),
+    ):
+        with pytest.raises(ValueError, match=text):
+            geo.sjoin(left, right, **options)
     with pytest.warns(UserWarning, match="left_df has the CRS None, and right_df EPSG:4326"):
         geo.sjoin(frame, frame.set_crs("EPSG:4326"))
     for call, name in [
@@ -315,6 +299,8 @@ def test_sjoin_errors():
     # Two columns of one name in a frame are the caller's.
     twice = frame_of(3, 7, ["b", "c"]).rename(columns={"c": "b"})
     assert list(geo.sjoin(twice, frame).columns) == ["b", "b", "geometry", "index_right", "a"]
+    shapes = frame.rename_geometry("shape").assign(geometry=1)
+    assert geo.sjoin(frame, shapes).geometry.name == "geometry_left"
     near = geo.sjoin(frame, frame, predicate="dwithin", distance=100)
     there = sum(map(is_there, frame.geometry))
     assert len(near) == there**2

@@ -10,7 +10,7 @@ import halfspace as hs
 import numpy as np
 import pytest
 
-from conftest import random_boxes
+from conftest import random_boxes, repeated
 
 RNG = np.random.default_rng(3)
 BOXES = random_boxes(RNG, 1_000_000, 3, 0.05)
@@ -78,18 +78,6 @@ def test_progress(rng):
     assert calls[-1] == (500_000, 500_000)
 
 
-def test_an_exception_of_progress_ends_the_call():
-    class Enough(Exception):
-        pass
-
-    def progress(done, total):
-        raise Enough
-
-    with pytest.raises(Enough):
-        TREE.pairs(progress=progress, threads=2)
-    TREE.erase(TREE.insert([0, 0, 0, 1, 1, 1]))
-
-
 def own(tree):
     with tree.changing():
         pass
@@ -128,27 +116,15 @@ def test_changing_waits_and_makes_wait(rng):
     """Readers see the tree before a change or after it, and no call fails."""
     low = rng.random((20_000, 3))
     tree, other = hs.BVH(np.hstack([low, low])), hs.BVH([[0] * 3 + [9] * 3])
-    stop = threading.Event()
-    counts, errors = set(), []
-
-    def run(calls):
-        try:
-            while not stop.is_set():
-                counts.update(call() for call in calls)
-        except Exception as error:
-            errors.append(error)
-
+    counts = set()
     everything = np.array([-1.0] * 3 + [9] * 3)
-    readers = [
+    calls = [
         lambda: tree.count(everything),
         lambda: len(tree.query(everything)),
         lambda: len(hs.join(tree, other)[0]),
         lambda: len(hs.join(other, tree)[0]),
         lambda: len(tree),
     ]
-    threads = [threading.Thread(target=run, args=[readers[i:]]) for i in range(3)]
-    for thread in threads:
-        thread.start()
 
     def change():
         with tree.changing():
@@ -157,17 +133,12 @@ def test_changing_waits_and_makes_wait(rng):
             tree.refit(tree.boxes(ids) + 1, ids)
             assert tree.count(everything) == 20_050
             tree.erase(ids)
-        return 20_000
 
-    changers = threading.Thread(target=run, args=[[change]])
-    changers.start()
-    for _ in range(20):
-        change()
-    stop.set()
-    for thread in [*threads, changers]:
-        thread.join(60)
-        assert not thread.is_alive()
-    assert not errors and counts == {20_000}
+    readers = [lambda i=i: counts.update(call() for call in calls[i:]) for i in range(3)]
+    with repeated(change, *readers):
+        for _ in range(20):
+            change()
+    assert counts == {20_000}
 
 
 def test_an_exception_of_a_signal_leaves_no_tree_locked():
@@ -209,7 +180,7 @@ def test_an_interrupted_refit_must_be_repeated(rng):
 
     with pytest.raises(KeyboardInterrupt):
         while True:
-            tree.refit(doubles, progress=stop)
+            tree.refit(doubles, threads=2, progress=stop)
     for call in (lambda: tree.query(boxes[:1]), lambda: tree.query(boxes[0]), tree.blob,
                  lambda: tree.erase([0])):
         with pytest.raises(RuntimeError, match=r"call refit\(\) with all boxes again"):
@@ -230,25 +201,17 @@ def test_a_failed_change_is_no_change(rng):
 
 def test_queries_run_at_the_same_time():
     """Another thread runs while a call works."""
-    seen = []
+    ticks, seen = [], []
+
+    def tick():
+        ticks.append(0)
+        time.sleep(0.001)
 
     def watch(done, total):
-        seen.append(ticks[0])
+        seen.append(len(ticks))
         if len(seen) == 4:
             raise KeyboardInterrupt
 
-    ticks = [0]
-    stop = threading.Event()
-
-    def tick():
-        while not stop.is_set():
-            ticks[0] += 1
-            time.sleep(0.001)
-
-    thread = threading.Thread(target=tick)
-    thread.start()
-    with pytest.raises(KeyboardInterrupt):
+    with repeated(tick), pytest.raises(KeyboardInterrupt):
         TREE.pairs(progress=watch)
-    stop.set()
-    thread.join()
     assert seen[-1] - seen[0] > 5

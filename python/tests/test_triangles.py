@@ -62,46 +62,6 @@ def test_targets():
             assert run.stdout == "[0]\n"
 
 
-def ball(rng, n=24, m=16):
-    """A closed mesh: the vertices, moved a little, and the faces."""
-    u, v = (grid.ravel() for grid in np.mgrid[:n, 1:m])
-    a, b = u * 2 * np.pi / n, v * np.pi / m
-    ring = np.stack([np.sin(b) * np.cos(a), np.sin(b) * np.sin(a), np.cos(b)], axis=1)
-    vertices = np.concatenate([ring, [[0, 0, 1], [0, 0, -1]]])
-    vertices = vertices * rng.uniform(0.9, 1.1, (len(vertices), 1))
-    at = lambda i, j: i % n * (m - 1) + j
-    faces = []
-    for i in range(n):
-        for j in range(m - 2):
-            faces += [[at(i, j), at(i + 1, j), at(i + 1, j + 1)],
-                      [at(i, j), at(i + 1, j + 1), at(i, j + 1)]]
-        faces += [[at(i, 0), at(i + 1, 0), n * (m - 1)],
-                  [at(i, m - 2), at(i + 1, m - 2), n * (m - 1) + 1]]
-    return vertices, np.array(faces)
-
-
-def test_no_ray_from_inside_passes_a_closed_mesh(rng):
-    vertices, faces = ball(rng)
-    triangles = vertices[faces]
-    tree = hs.BVH(hs.bounds_of_triangles(vertices, faces))
-    origins = np.concatenate([np.zeros((len(vertices), 3)), rng.uniform(-0.2, 0.2, (3000, 3))])
-    some = triangles[rng.integers(0, len(faces), 3000)]
-    weight = rng.random((3000, 1))
-    edges = some[:, 0] + weight * (some[:, 1] - some[:, 0])
-    directions = np.concatenate([vertices, edges - origins[len(vertices):]])
-    ids, t = tree.raycast(origins, directions, triangles=triangles)
-    assert (ids >= 0).all()
-    np.testing.assert_allclose(t, 1, atol=2e-5)
-    # A ray to a corner hits the faces around it: at least those of float32.
-    exact = vertices.astype(np.float32).astype(float)
-    (rows, hit), far = tree.raycast([0, 0, 0], exact, triangles=triangles, all_hits=True)
-    around = np.array([[v in face for face in faces] for v in range(len(vertices))])
-    found = np.zeros(around.shape, bool)
-    found[rows, hit] = True
-    assert (found == around).all()
-    assert (np.diff(far)[np.diff(rows) == 0] >= 0).all()
-
-
 def test_rays_hit_what_they_hit_one_by_one(rng):
     triangles = rng.random((2000, 1, 3)) + 0.3 * rng.random((2000, 3, 3))
     tree = hs.BVH(np.hstack([triangles.min(axis=1), triangles.max(axis=1)]))
@@ -126,6 +86,7 @@ def test_rays_hit_what_they_hit_one_by_one(rng):
     assert differs.sum() <= 2 and np.isfinite(found).sum() > 300
     both = np.isfinite(found) & ~differs
     np.testing.assert_allclose(found[both], expected[both], rtol=1e-3, atol=1e-5)
+    assert (np.lexsort((far, rows)) == np.arange(len(rows))).all()
     np.testing.assert_array_equal(t, found.min(axis=1).astype(np.float32))
     assert (found[np.arange(300), ids][ids >= 0] == t[ids >= 0]).all()
     for i in range(20):
@@ -149,6 +110,8 @@ def test_closest_points(rng):
         assert distances[i] <= far.min() + 1e-6 and far.min() < distances[i] + 0.02
         assert far[ids[i]].min() < distances[i] + 0.02
         assert abs(distances[i] - tree.closest_point(points[i], triangles)[1]) == 0
+    # Triangles are rounded to the nearest floats.
+    assert (tree.closest_point(triangles[:, 0].astype(np.float32), triangles)[1] == 0).all()
     near = tree.closest_point(points, triangles, max_distance=0.05)
     np.testing.assert_array_equal(near[0], np.where(distances <= np.float32(0.05), ids, -1))
     assert np.isnan(near[2][near[0] < 0]).all() and np.isinf(near[1][near[0] < 0]).all()
@@ -157,18 +120,20 @@ def test_closest_points(rng):
 def test_bad_triangles():
     tree = hs.BVH(np.tile([0, 0, 0, 1, 1, 1.0], (3, 1)))
     good = np.ones((3, 3, 3))
-    with pytest.raises(ValueError, match=r"triangles: expected shape \(n, 3, 3\), got"):
-        tree.raycast([0, 0, 0], [1, 0, 0], triangles=np.ones((3, 9)))
-    with pytest.raises(ValueError, match="one for each of the ids up to 2, got 2"):
-        tree.closest_point([0, 0, 0], good[:2])
-    with pytest.raises(ValueError, match="triangles.1.: expected numbers, got NaN"):
-        tree.closest_point([0, 0, 0], np.where(np.arange(27).reshape(3, 3, 3) == 12, np.nan, 1))
-    with pytest.raises(ValueError, match="3 dimensions, not of 2"):
-        hs.BVH([[0, 0, 1, 1]]).raycast([0, 0], [1, 0], triangles=good)
-    with pytest.raises(ValueError, match="max_distance"):
-        tree.closest_point([0, 0, 0], good, max_distance=-1)
+    flat = hs.BVH([[0, 0, 1, 1]])
+    bad = np.where(np.arange(27).reshape(3, 3, 3) == 12, np.nan, 1)
+    closest = lambda *its, **how: tree.closest_point([0, 0, 0], *its, **how)
+    for call, text in (
+        (lambda: closest(np.ones((3, 9))), r"triangles: expected shape \(n, 3, 3\), got"),
+        (lambda: closest(good[:2]), "one for each of the ids up to 2, got 2"),
+        (lambda: closest(bad), "triangles.1.: expected numbers, got NaN"),
+        (lambda: flat.raycast([0, 0], [1, 0], triangles=good), "3 dimensions, not of 2"),
+        (lambda: closest(good, max_distance=-1), "max_distance"),
+    ):
+        with pytest.raises(ValueError, match=text):
+            call()
     assert tree.raycast([0, 0, 0], [1, 1, 1], triangles=good)[0] == -1
-    assert tree.closest_point([0, 0, 0], good)[0] == 0
+    assert closest(good)[0] == 0
 
 
 def test_many_queries_of_a_large_mesh(rng):

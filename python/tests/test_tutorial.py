@@ -23,7 +23,7 @@ STEP = re.compile(f"{BLOCK.pattern}|{FIGURE.pattern}", re.M | re.S)
 
 def run(text, directory):
     """Runs the blocks and draws the figures in `directory`. Returns the text with what the blocks
-    print, and their names."""
+    print."""
     import tutorial_figures
 
     names = {"__name__": "tutorial"}
@@ -43,7 +43,7 @@ def run(text, directory):
     old = os.getcwd()
     os.chdir(directory)
     try:
-        return STEP.sub(run_step, text), names
+        return STEP.sub(run_step, text)
     finally:
         os.chdir(old)
 
@@ -54,19 +54,17 @@ def tutorial(tmp_path_factory):
     pytest.importorskip("shapely", reason="needs python3-shapely")
     matplotlib.use("Agg")
     directory = tmp_path_factory.mktemp("tutorial")
-    text, names = run(PAGE.read_text(encoding="utf-8"), directory)
-    return text, names, directory
+    return run(PAGE.read_text(encoding="utf-8"), directory), directory
 
 
 def test_prints_what_the_page_says(tutorial):
-    text, _, _ = tutorial
-    assert text == PAGE.read_text(encoding="utf-8")
+    assert tutorial[0] == PAGE.read_text(encoding="utf-8")
 
 
 def test_draws_the_figures_of_the_page(tutorial):
     from matplotlib.image import imread
 
-    text, _, directory = tutorial
+    text, directory = tutorial
     figures = [f"python-{name}.png" for name in FIGURE.findall(text)]
     assert sorted(figures) == sorted(path.name for path in directory.glob("*.png"))
     for figure in figures:
@@ -77,34 +75,13 @@ def test_draws_the_figures_of_the_page(tutorial):
         assert drawn[..., :3].std() > 0.05
 
 
-def test_join_finds_every_field_that_a_river_crosses(tutorial):
-    _, names, _ = tutorial
-    found = sum(river.intersects(field) for river in names["prepared"] for field in names["fields"])
-    assert names["crosses"].sum() == found
-
-
-def test_rays_hit_the_nearest_triangle(tutorial):
-    _, names, _ = tutorial
-    triangles = names["vertices"][names["faces"]]
-    for ray in range(0, len(names["depth"]), 997):
-        expected = names["hit"](names["eye"], names["directions"][ray], triangles).min()
-        assert np.isclose(names["depth"][ray], expected)
-
-
-def test_refits_find_every_collision(tutorial):
-    _, names, _ = tutorial
-    i, j = np.triu_indices(names["count"], 1)
-    gaps = names["gaps"](names["old"], names["places"], i, j)
-    assert names["collisions"][-1] == (gaps <= 0).sum()
-
-
 def main():
     import matplotlib
     from PIL import Image
 
     matplotlib.use("Agg")
     with tempfile.TemporaryDirectory() as directory:
-        text, _ = run(PAGE.read_text(encoding="utf-8"), directory)
+        text = run(PAGE.read_text(encoding="utf-8"), directory)
         for path in pathlib.Path(directory).glob("*.png"):
             # A palette makes the files half as large.
             picture = Image.open(path).convert("RGB").quantize(128)
