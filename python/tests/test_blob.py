@@ -198,13 +198,10 @@ def test_a_failure_leaves_only_the_old_file(tree, tmp_path, monkeypatch, call, e
     tree.erase(0)  # the error keeps no blob
 
 
-def test_a_long_name(tree, tmp_path):
+def test_names(tree, tmp_path):
     path = tmp_path / ("x" * 240)
     tree.save(path)
     assert os.listdir(tmp_path) == [path.name]
-
-
-def test_a_folder_that_does_not_exist(tree, tmp_path):
     with pytest.raises(FileNotFoundError, match="no/tree'$"):
         tree.save(tmp_path / "no" / "tree")
 

@@ -95,7 +95,11 @@ def test_query_batches(rng, dims, most, exact):
     boxes, queries = near_boxes(rng, 2000, dims)[6:], near_boxes(rng, 1500, dims)[6:]
     tree = hs.BVH(boxes, exact=exact)
     expected = in_order(tree.query(queries))
-    batches = list(tree.query_batches(queries, most))
+    rest = tree.query_batches(queries, most)
+    first = next(rest)
+    with pytest.raises(ValueError):
+        tree.erase([9999])  # a failed change is no change
+    batches = [first, *rest]
     assert all(0 < batch.shape[1] <= most for batch in batches)
     if most >= 100:  # which no row has alone
         assert len(batches) < 2 * expected.shape[1] / most + 2
