@@ -1,7 +1,6 @@
 // A BVH of boxes in WebAssembly. index.d.ts is the manual.
 import base64 from './module.js';
 
-/** The id that stands for "none" in results with a fixed number of ids. */
 export const NO_ID = 0xffffffff;
 
 export class HalfspaceError extends Error {
@@ -12,14 +11,10 @@ export class HalfspaceError extends Error {
   }
 }
 
-function fail(argument, reason) {
-  throw new HalfspaceError(argument, reason);
-}
-
 function expect(isSo, argument, what, value) {
   if (isSo) return;
   const isShown = value === null || ['number', 'string'].includes(typeof value);
-  fail(argument, `expected ${what}, got ${isShown ? value : typeof value}`);
+  throw new HalfspaceError(argument, `expected ${what}, got ${isShown ? value : typeof value}`);
 }
 
 // The module --------------------------------------------------------------------------
@@ -37,30 +32,30 @@ wasm._initialize?.();
 let u8, u32, f32, f64;
 function look() {
   if (u8?.length) return;
-  u8 = new Uint8Array(memory.buffer);
-  u32 = new Uint32Array(memory.buffer);
-  f32 = new Float32Array(memory.buffer);
-  f64 = new Float64Array(memory.buffer);
+  [u8, u32, f32, f64] = [Uint8Array, Uint32Array, Float32Array, Float64Array]
+    .map((View) => new View(memory.buffer));
 }
 
-function text(address) {
-  return new TextDecoder().decode(u8.slice(address, u8.indexOf(0, address)));
-}
-
-// The C API's names, as callers know them.
-const names = { objects: 'boxes', queries: 'boxes', data: 'bytes', 'hs_bvh_blob()': 'toBytes()' };
-const named = (text) => text.replace(/\w+(\(\))?/g, (name) => names[name] ?? name);
+// The text at an address, with the names that callers know.
+const names = {
+  objects: 'boxes', queries: 'boxes', data: 'bytes', max_distance: 'maxDistance',
+  'options->margin': 'margin', 'hs_bvh_blob()': 'toBytes()',
+};
+const text = (address) => new TextDecoder().decode(u8.slice(address, u8.indexOf(0, address)))
+  .replace(/\w+(->margin|\(\))?/g, (name) => names[name] ?? name);
 
 function check(status, argument = '') {
   look();
   if (status === 0) return;
-  fail(named(text(wasm.hs_last_error_argument()).replace(/->.*/, '')) || argument,
-    named(text(wasm.hs_last_error_reason())));
+  const named = text(wasm.hs_last_error_argument()).replace(/->.*/, '');
+  throw new HalfspaceError(named || argument, text(wasm.hs_last_error_reason()));
 }
 
 function allocate(bytes) {
   const address = bytes < 2 ** 32 ? wasm.malloc(Math.max(bytes, 8)) >>> 0 : 0;
-  if (address === 0) fail('', `out of memory: ${bytes} bytes cannot be allocated`);
+  if (address === 0) {
+    throw new HalfspaceError('', `out of memory: ${bytes} bytes cannot be allocated`);
+  }
   look();
   return address;
 }
@@ -69,10 +64,7 @@ function allocate(bytes) {
 function withMemory(run) {
   const blocks = [];
   try {
-    return run((bytes) => {
-      blocks.push(allocate(bytes));
-      return blocks.at(-1);
-    });
+    return run((bytes) => blocks[blocks.push(allocate(bytes)) - 1]);
   } finally {
     for (const block of blocks) wasm.free(block);
   }
@@ -127,9 +119,12 @@ function copyIn(allocate, array) {
   return address;
 }
 
-// The same for rows, until the next rows are copied.
-const rowsIn = (allocate, array, values) => wasm.rows(0, array instanceof Float64Array ? 1 : 0,
-  copyIn(allocate, array), array.length / values, values);
+// Calls run(rows, count, allocate) with the rows of an array, which are in the module then.
+function withRows(array, values, run) {
+  const count = array.length / values;
+  return withMemory((allocate) => run(wasm.rows(0, array instanceof Float64Array ? 1 : 0,
+    copyIn(allocate, array), count, values), count, allocate));
+}
 
 // Arguments ---------------------------------------------------------------------------
 
@@ -139,39 +134,37 @@ function arrayOf(name, data, what) {
   return data;
 }
 
+const numberOf = (name, i, value) => (typeof value === 'number' && value === value ? value
+  : expect(false, `${name}[${i}]`, 'a number', value));
+
 // Rows of `values` numbers, of a Float32Array, a Float64Array or what can become one.
 function rowsOf(name, data, values) {
   const isFloats = data instanceof Float32Array || data instanceof Float64Array;
-  const array = isFloats ? data : Float64Array.from(arrayOf(name, data, 'numbers'), (value, i) =>
-    (typeof value === 'number' ? value : expect(false, `${name}[${i}]`, 'a number', value)));
+  const array = isFloats ? data : Float64Array.from(arrayOf(name, data, 'numbers'),
+    (value, i) => numberOf(name, i, value));
   if (array.length === 0) {
     try {
       new Uint8Array(array.buffer);
     } catch {
-      fail(name, 'the ArrayBuffer is detached: it was transferred');
+      throw new HalfspaceError(name, 'the ArrayBuffer is detached: it was transferred');
     }
   }
   expect(array.length % values === 0, name, `${values} numbers for each`, array.length);
   return array;
 }
 
+// The same without NaN, which C accepts.
 function numbersOf(name, data, values) {
   const numbers = rowsOf(name, data, values);
-  const i = numbers.findIndex(Number.isNaN);
-  return i < 0 ? numbers : fail(`${name}[${i}]`, 'expected a number, got NaN');
+  for (let i = 0; i < numbers.length; ++i) numberOf(name, i, numbers[i]);
+  return numbers;
 }
 
 // The numbers of one row. Not numbersOf(), which takes as long as the search for 8 boxes.
 function rowOf(name, row, count) {
-  if (row?.length !== count) fail(name, `expected ${count} numbers`);
+  if (row?.length !== count) throw new HalfspaceError(name, `expected ${count} numbers`);
   const numbers = [];
-  for (let i = 0; i < count; ++i) {
-    const value = row[i];
-    if (typeof value !== 'number' || value !== value) {
-      expect(false, `${name}[${i}]`, 'a number', value);
-    }
-    numbers.push(value);
-  }
+  for (let i = 0; i < count; ++i) numbers.push(numberOf(name, i, row[i]));
   return numbers;
 }
 
@@ -191,37 +184,27 @@ const boxesOf = (data, dimensions) =>
   checkBoxes('boxes', rowsOf('boxes', data, 2 * dimensions), dimensions);
 
 const idsOf = (ids) => Uint32Array.from(arrayOf('ids', ids, 'ids'), (id, i) =>
-  (Number.isInteger(id) && id >= 0 && id < NO_ID ? id
+  (typeof id === 'number' && id >>> 0 === id ? id
     : expect(false, `ids[${i}]`, 'the id of an object', id)));
-
-function distanceOf(name, value) {
-  const distance = Number(value);
-  expect(distance >= 0, name, 'a number that is not negative', value);
-  return distance;
-}
 
 // The BVH -----------------------------------------------------------------------------
 
 const registry = new FinalizationRegistry((bvh) => wasm.hs_bvh_destroy(bvh));
 
-// In place of boxes: a BVH of the module, for a new owner.
-class Made {
-  constructor(bvh) { this.bvh = bvh; }
-}
+// The option that is a BVH of the module, in place of boxes.
+const made = Symbol('made');
 
 export class BVH {
   #bvh;
   #dimensions;
 
-  constructor(boxes, { dimensions = 2, quality = 'high' } = {}) {
+  constructor(boxes, { dimensions = 2, quality = 'high', [made]: bvh } = {}) {
     expect(dimensions === 2 || dimensions === 3, 'dimensions', '2 or 3', dimensions);
     expect(quality === 'high' || quality === 'fast', 'quality', '"high" or "fast"', quality);
     this.#dimensions = dimensions;
-    this.#bvh = boxes instanceof Made ? boxes.bvh : withMemory((allocate) => {
-      const rows = rowsIn(allocate, boxesOf(boxes, dimensions), 2 * dimensions);
-      const config = wasm.config(dimensions, quality === 'fast' ? 1 : 0);
-      return resultOf(wasm.hs_bvh_create(config, rows, oneResult));
-    });
+    this.#bvh = bvh ?? withRows(boxesOf(boxes, dimensions), 2 * dimensions, (rows) =>
+      resultOf(wasm.hs_bvh_create(wasm.config(dimensions, quality === 'fast' ? 1 : 0), rows,
+        oneResult)));
     registry.register(this, this.#bvh, this);
   }
 
@@ -233,8 +216,10 @@ export class BVH {
       // HS_BOX2 is 1, and HS_BOX3 is 2.
       const dimensions = 1 + resultOf(wasm.hs_blob_kind(address, from.length, oneResult));
       expect(dimensions <= 3, 'bytes', 'a BVH of boxes', 'another kind of bounds');
-      return new BVH(new Made(resultOf(wasm.hs_bvh_from_blob(wasm.config(dimensions, 0), address,
-        from.length, oneResult), 'bytes')), { dimensions });
+      const config = wasm.config(dimensions, 0);
+      const bvh = resultOf(
+        wasm.hs_bvh_from_blob(config, address, from.length, oneResult), 'bytes');
+      return new BVH([], { dimensions, [made]: bvh });
     });
   }
 
@@ -247,36 +232,30 @@ export class BVH {
 
   // After all arguments are read, since a getter can dispose of it.
   #open() {
-    if (!this.#bvh) fail('', 'the BVH was disposed of');
+    if (!this.#bvh) throw new HalfspaceError('', 'the BVH was disposed of');
     return this.#bvh;
   }
 
-  // Calls run(bvh, rows, count, allocate) with rows in the module.
-  #withRows(array, values, run) {
-    const bvh = this.#open();
-    return withMemory((allocate) =>
-      run(bvh, rowsIn(allocate, array, values), array.length / values, allocate));
-  }
-
   #withBoxes(boxes, run) {
-    return this.#withRows(boxesOf(boxes, this.#dimensions), 2 * this.#dimensions, run);
+    const array = boxesOf(boxes, this.#dimensions);
+    this.#open();
+    return withRows(array, 2 * this.#dimensions, run);
   }
 
-  // The `most` ids and numbers of each row, which call(bvh, rows, ids, numbers) writes.
+  // The `most` ids and numbers of each row, which call(rows, ids, numbers) writes.
   #nearestOf(array, values, most, call) {
-    return this.#withRows(array, values, (bvh, rows, count, allocate) => {
+    this.#open();
+    return withRows(array, values, (rows, count, allocate) => {
       const [ids, numbers] = [0, 1].map(() => allocate(4 * count * most));
-      check(call(bvh, rows, ids, numbers));
+      check(call(rows, ids, numbers));
       return [idsAt(ids, count * most), floatsAt(numbers, count * most)];
     });
   }
 
   // The pairs that call() writes.
   #pairs(call, others, margin) {
-    const distance = distanceOf('margin', margin);
-    expect(distance !== Infinity, 'margin', 'a finite number', distance);
+    const options = wasm.pair_options(Number(margin));
     const trees = [this, ...others].map((tree) => tree.#open());
-    const options = wasm.pair_options(distance);
     return resultsOf(() => call(...trees, options, results, room >>> 1, oneResult), 2);
   }
 
@@ -309,17 +288,17 @@ export class BVH {
   }
 
   queryMany(boxes) {
-    return this.#withBoxes(boxes, (bvh, rows, count, allocate) => {
+    return this.#withBoxes(boxes, (rows, count, allocate) => {
       const offsets = allocate(4 * (count + 1));
       const ids = resultsOf(() =>
-        wasm.hs_bvh_query(bvh, rows, 0, results, room, offsets, oneResult));
+        wasm.hs_bvh_query(this.#bvh, rows, 0, results, room, offsets, oneResult));
       return { ids, offsets: idsAt(offsets, count + 1) };
     });
   }
 
   nearest(point, k = 1, maxDistance = Infinity) {
     const numbers = rowOf('point', point, this.#dimensions);
-    const limit = distanceOf('maxDistance', maxDistance);
+    const limit = Number(maxDistance);
     const most = this.#most(k);
     makeRoom(2 * most);
     check(wasm.hs_bvh_nearest_to_points(this.#bvh, write(numbers), most, limit, 0, results,
@@ -331,25 +310,27 @@ export class BVH {
 
   nearestMany(points, k = 1, maxDistance = Infinity) {
     const array = numbersOf('points', points, this.#dimensions);
-    const limit = distanceOf('maxDistance', maxDistance);
+    const limit = Number(maxDistance);
     const most = this.#most(k);
-    const [ids, distances] = this.#nearestOf(array, this.#dimensions, most, (bvh, rows, ...to) =>
-      wasm.hs_bvh_nearest_to_points(bvh, rows, most, limit, 0, ...to));
+    const [ids, distances] = this.#nearestOf(array, this.#dimensions, most, (rows, ...to) =>
+      wasm.hs_bvh_nearest_to_points(this.#bvh, rows, most, limit, 0, ...to));
     return { k: most, ids, distances };
   }
 
   raycast(origin, direction, maxT = Infinity) {
-    const { ids, ts } = this.raycastMany(Float32Array.from([
+    const limit = Number(maxT);
+    expect(limit >= 0, 'maxT', 'a number that is not negative', limit);
+    const { ids, ts } = this.raycastMany(Float32Array.of(
       ...rowOf('origin', origin, this.#dimensions),
-      ...rowOf('direction', direction, this.#dimensions), distanceOf('maxT', maxT)]));
+      ...rowOf('direction', direction, this.#dimensions), limit));
     return ids[0] === NO_ID ? null : { id: ids[0], t: ts[0] };
   }
 
   raycastMany(rays) {
     const values = 2 * this.#dimensions + 1;
     const array = Float32Array.from(numbersOf('rays', rays, values));
-    const [ids, ts] = this.#nearestOf(array, values, 1, (bvh, rows, ...to) =>
-      wasm.hs_bvh_raycast(bvh, rows, 0, 0, ...to));
+    const [ids, ts] = this.#nearestOf(array, values, 1, (rows, ...to) =>
+      wasm.hs_bvh_raycast(this.#bvh, rows, 0, 0, ...to));
     return { ids, ts };
   }
 
@@ -363,18 +344,18 @@ export class BVH {
   }
 
   insert(boxes) {
-    return this.#withBoxes(boxes, (bvh, rows, count, allocate) => {
+    return this.#withBoxes(boxes, (rows, count, allocate) => {
       const ids = allocate(4 * count);
-      check(wasm.hs_bvh_insert(bvh, rows, ids));
+      check(wasm.hs_bvh_insert(this.#bvh, rows, ids));
       return idsAt(ids, count);
     });
   }
 
   set(ids, boxes) {
     const list = idsOf(ids);
-    this.#withBoxes(boxes, (bvh, rows, count, allocate) => {
+    this.#withBoxes(boxes, (rows, count, allocate) => {
       expect(list.length === count, 'ids', `as many as boxes, ${count}`, list.length);
-      check(wasm.hs_bvh_set(bvh, copyIn(allocate, list), rows));
+      check(wasm.hs_bvh_set(this.#bvh, copyIn(allocate, list), rows));
     });
   }
 
@@ -389,5 +370,4 @@ export class BVH {
 
 if (Symbol.dispose) BVH.prototype[Symbol.dispose] = BVH.prototype.dispose;
 
-/** The version of the library, for example "0.1.0". */
 export const version = text(wasm.hs_version());

@@ -14,4 +14,3 @@ cp "$here"/*.mjs .
 # The example of the README, as it stands.
 sed -n '/^```js$/,/^```$/{/^```/d;p}' "$package/README.md" >example.mjs
 HALFSPACE_TEST_DATA=$data node --test test.mjs
-node browser.mjs
