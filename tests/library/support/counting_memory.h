@@ -11,6 +11,10 @@
 
 #include "halfspace/memory.h"
 
+#ifdef _WIN32
+#include <malloc.h>
+#endif
+
 namespace halfspace::testing {
 
 enum class Failure { kThrows, kReturnsNull };
@@ -34,8 +38,12 @@ class CountingMemory {
     }
     if (left != kNoLimit) --left;
     const std::size_t whole = (bytes / kAlignment + 2) * kAlignment;
-    auto* memory =
-        static_cast<std::byte*>(std::aligned_alloc(kAlignment, whole));
+#ifdef _WIN32
+    void* const block = _aligned_malloc(whole, kAlignment);
+#else
+    void* const block = std::aligned_alloc(kAlignment, whole);
+#endif
+    auto* memory = static_cast<std::byte*>(block);
     new (memory) Header{bytes, this};
     ++blocks;
     ++allocations;
@@ -49,7 +57,11 @@ class CountingMemory {
     EXPECT_EQ(header.from, this);
     EXPECT_EQ(alignment, kAlignment);
     --blocks;
+#ifdef _WIN32
+    _aligned_free(memory);
+#else
     std::free(memory);
+#endif
   }
 
   MemoryResource resource() { return MemoryFrom(*this); }
