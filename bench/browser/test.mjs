@@ -7,7 +7,8 @@ if (!hasChromium) {
   console.log('not tested: there is no chromium');
   process.exit(0);
 }
-const page = readFileSync(process.argv[2], 'utf8');
+// Once, with a hundredth of the queries: times do not matter here.
+const page = readFileSync(process.argv[2], 'utf8').replace("'6000'", "'60', '--repetitions', '1'");
 const reported = (html) => postedBy(`${html}<script>
   new MutationObserver(() => fetch('/posted', { method: 'POST', body: report.innerHTML }))
     .observe(document.getElementById('report'), { childList: true });
