@@ -8,7 +8,7 @@ foreach(standard c++17 c++20)
                           -E -o "${OUTPUT}.ii"
                   COMMAND_ERROR_IS_FATAL ANY)
   file(READ "${OUTPUT}.ii" text)
-  string(REGEX REPLACE "[^\n]" "" text "${text}")
+  string(REGEX REPLACE "[^\n]+" "" text "${text}")
   string(LENGTH "${text}" lines)
   message("${HEADER} has ${lines} preprocessed lines in ${standard}")
   if(lines GREATER LIMIT)
