@@ -6,10 +6,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <numeric>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -70,13 +68,6 @@ std::vector<World<kDims>> Worlds() {
                     RandomBoxes<kDims>(60, 5000, 1.2f, 0.1f, random)});
   worlds.push_back({"integers", IntegerBoxes<kDims>(700, random),
                     IntegerBoxes<kDims>(60, random)});
-  World<kDims> few_large{"few large",
-                         RandomBoxes<kDims>(500, 0, 100, 0.01f, random),
-                         RandomBoxes<kDims>(60, 0, 100, 5, random)};
-  for (const auto& box : RandomBoxes<kDims>(30, 0, 50, 100, random)) {
-    few_large.boxes.push_back(box);
-  }
-  worlds.push_back(few_large);
   worlds.push_back({"the same",
                     std::vector(300, IntegerBoxes<kDims>(1, random)[0]),
                     IntegerBoxes<kDims>(60, random)});

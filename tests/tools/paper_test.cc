@@ -10,7 +10,6 @@
 #include <limits>
 #include <numeric>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "bench/paper/loops.h"
@@ -42,17 +41,14 @@ std::size_t NeededBy(ShapeKind shape, const Aabo3& object, const Aabo3& query) {
   const auto max_rejects = [&](std::size_t k) {
     return object.max[k] < query.min[k];
   };
+  const std::size_t axes = shape == ShapeKind::kAabb ? 3 : 4;
   std::vector<bool> rejects;
-  if (shape == ShapeKind::kAabb) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      rejects.push_back(min_rejects(k));
-      rejects.push_back(max_rejects(k));
-    }
-  } else {
-    for (std::size_t k = 0; k < 4; ++k) rejects.push_back(min_rejects(k));
+  for (std::size_t k = 0; k < axes; ++k) {
+    rejects.push_back(min_rejects(k));
+    if (shape == ShapeKind::kAabb) rejects.push_back(max_rejects(k));
   }
-  if (shape == ShapeKind::kAabo) {
-    for (std::size_t k = 0; k < 4; ++k) rejects.push_back(max_rejects(k));
+  for (std::size_t k = 0; shape == ShapeKind::kAabo && k < axes; ++k) {
+    rejects.push_back(max_rejects(k));
   }
   const auto first = std::find(rejects.begin(), rejects.end(), true);
   return static_cast<std::size_t>(first - rejects.begin()) +
