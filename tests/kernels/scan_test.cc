@@ -1,7 +1,6 @@
-// The words of a scan on every target, against a plain loop: of every type of
-// element, of 1 to 10 planes, and of the functions of kernels-inl.h. Streaming
-// and staged scans, which are made of the same parts, are in
-// cpu_choices_test.cc.
+// The functions of kernels-inl.h, of which scans make their words, on every
+// target against a plain loop. Tests of the library have the other parts of
+// scans: of quantized bounds, streaming and staged.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +23,6 @@
 
 // After foreach_target.h, which decides what they are compiled for.
 #include "halfspace/kernels-inl.h"
-#include "kernels/scan/words-inl.h"
 
 #ifndef HALFSPACE_TESTS_KERNELS_SCAN_TEST_TYPES_
 #define HALFSPACE_TESTS_KERNELS_SCAN_TEST_TYPES_
@@ -42,23 +40,18 @@ struct WordCase {
   std::size_t mins = 0;
   std::size_t planes = 0;
   WordFunction<T> whole = nullptr;  // of 64 objects
-  WordFunction<T> wide = nullptr;   // the same, with the longest vectors
   WordFunction<T> tail = nullptr;   // of at most 63
 };
 
 inline constexpr std::size_t kMostPlanes = 10;
 
-// Of 1, 2, 5 and 10 planes half, rounded up, are minima. The others are the
-// named ones: of floats, and boxes of doubles too.
+// Boxes, and of floats simplices and octahedra, in 2, 3 and 4 dimensions.
 template <typename T>
-using WordCases = std::array<WordCase<T>, 13>;
+using WordCases = std::array<WordCase<T>, std::is_same_v<T, float> ? 9 : 3>;
 
 // Specialised by each target's pass over this file.
 template <std::int64_t kTarget, typename T>
 inline constexpr WordCases<T> kWordCases{};
-template <std::int64_t kTarget>
-inline constexpr std::uint64_t (*kNonzeroWords)(const std::uint64_t*,
-                                                std::size_t) = nullptr;
 
 }  // namespace halfspace::testing
 
@@ -68,37 +61,8 @@ HWY_BEFORE_NAMESPACE();
 namespace halfspace {
 namespace HWY_NAMESPACE {
 
-template <size_t kMins, typename T, size_t... kPlane>
-struct WordsOfPlanes {
-  static uint64_t Whole(const T* const* planes, size_t i, size_t,
-                        const T* query) {
-    const OneTag<T> d;
-    return KeptBits<kMins>(d, LoadAll(), planes, i,
-                           hn::Set(d, query[kPlane])...);
-  }
-  static uint64_t Wide(const T* const* planes, size_t i, size_t,
-                       const T* query) {
-    const WordTag<T> d;
-    return KeptBits<kMins>(d, LoadAll(), planes, i,
-                           hn::Set(d, query[kPlane])...);
-  }
-  static uint64_t Tail(const T* const* planes, size_t i, size_t count,
-                       const T* query) {
-    const WordTag<T> d;
-    return KeptTail<kMins>(d, planes, i, count, hn::Set(d, query[kPlane])...);
-  }
-};
-
-template <typename T, size_t... kPlane>
-constexpr testing::WordCase<T> WordCaseOf(std::index_sequence<kPlane...>) {
-  constexpr size_t kPlanes = sizeof...(kPlane);
-  using Words = WordsOfPlanes<(kPlanes + 1) / 2, T, kPlane...>;
-  return {(kPlanes + 1) / 2, kPlanes, &Words::Whole, &Words::Wide,
-          &Words::Tail};
-}
-
-// The functions of kernels-inl.h. Their queries have minima, then maxima; here
-// query[p] is what plane p is compared with.
+// Queries have minima, then maxima; here query[p] is what plane p is compared
+// with.
 #define HALFSPACE_NAMED_CASE(name, kMins, kMaxs)                             \
   template <int kDims, typename T>                                           \
   struct Named##name {                                                       \
@@ -120,7 +84,7 @@ constexpr testing::WordCase<T> WordCaseOf(std::index_sequence<kPlane...>) {
       return SurvivorsOfFew##name<kDims>(planes, i, n, Query(query).values); \
     }                                                                        \
     static constexpr testing::WordCase<T> Case() {                           \
-      return {kMins, kPlanes, &Of64, &Of64, &OfFew};                         \
+      return {kMins, kPlanes, &Of64, &OfFew};                                \
     }                                                                        \
   };
 HALFSPACE_NAMED_CASE(Boxes, kDims, kDims)
@@ -128,31 +92,11 @@ HALFSPACE_NAMED_CASE(Simplices, kDims + 1, 0)
 HALFSPACE_NAMED_CASE(Octahedra, kDims + 1, kDims + 1)
 #undef HALFSPACE_NAMED_CASE
 
-template <typename T>
-constexpr testing::WordCases<T> MakeWordCases() {
-  testing::WordCases<T> cases = {
-      WordCaseOf<T>(std::make_index_sequence<1>()),
-      WordCaseOf<T>(std::make_index_sequence<2>()),
-      WordCaseOf<T>(std::make_index_sequence<5>()),
-      WordCaseOf<T>(std::make_index_sequence<testing::kMostPlanes>())};
-  if constexpr (std::is_floating_point_v<T>) {
-    cases[4] = NamedBoxes<2, T>::Case();
-    cases[5] = NamedBoxes<3, T>::Case();
-    cases[6] = NamedBoxes<4, T>::Case();
-  }
-  if constexpr (std::is_same_v<T, float>) {
-    cases[7] = NamedSimplices<2, T>::Case();
-    cases[8] = NamedSimplices<3, T>::Case();
-    cases[9] = NamedSimplices<4, T>::Case();
-    cases[10] = NamedOctahedra<2, T>::Case();
-    cases[11] = NamedOctahedra<3, T>::Case();
-    cases[12] = NamedOctahedra<4, T>::Case();
-  }
-  return cases;
-}
-
-uint64_t NonzeroWordsOfTest(const uint64_t* words, size_t count) {
-  return NonzeroWords(words, count);
+template <int... kDims>
+constexpr testing::WordCases<float> CasesOfFloats() {
+  return {NamedBoxes<kDims, float>::Case()...,
+          NamedSimplices<kDims, float>::Case()...,
+          NamedOctahedra<kDims, float>::Case()...};
 }
 
 }  // namespace HWY_NAMESPACE
@@ -161,19 +105,12 @@ namespace testing {
 
 template <>
 inline constexpr WordCases<float> kWordCases<HWY_TARGET, float> =
-    HWY_NAMESPACE::MakeWordCases<float>();
+    HWY_NAMESPACE::CasesOfFloats<2, 3, 4>();
 template <>
-inline constexpr WordCases<double> kWordCases<HWY_TARGET, double> =
-    HWY_NAMESPACE::MakeWordCases<double>();
-template <>
-inline constexpr WordCases<std::int8_t> kWordCases<HWY_TARGET, std::int8_t> =
-    HWY_NAMESPACE::MakeWordCases<std::int8_t>();
-template <>
-inline constexpr WordCases<std::int16_t> kWordCases<HWY_TARGET, std::int16_t> =
-    HWY_NAMESPACE::MakeWordCases<std::int16_t>();
-template <>
-inline constexpr std::uint64_t (*kNonzeroWords<HWY_TARGET>)(
-    const std::uint64_t*, std::size_t) = &HWY_NAMESPACE::NonzeroWordsOfTest;
+inline constexpr WordCases<double> kWordCases<HWY_TARGET, double> = {
+    HWY_NAMESPACE::NamedBoxes<2, double>::Case(),
+    HWY_NAMESPACE::NamedBoxes<3, double>::Case(),
+    HWY_NAMESPACE::NamedBoxes<4, double>::Case()};
 
 }  // namespace testing
 }  // namespace halfspace
@@ -182,27 +119,6 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace halfspace::testing {
 namespace {
-
-// Calls visit(target) for every target under test, as a constant.
-template <typename Visit>
-void ForEachTargetUnderTest(const Visit& visit) {
-  const std::vector<Target> targets = TargetsUnderTest();
-  kernels::ForEachCompiledTarget([&](auto target) {
-    const Target handle = Target::FromHighwayBit(target());
-    if (std::find(targets.begin(), targets.end(), handle) == targets.end()) {
-      return;
-    }
-    SCOPED_TRACE(std::string(handle.name()));
-    visit(target);
-  });
-}
-
-// A NaN rejects nothing. Quantized bounds of minima are stored in reverse.
-template <typename T>
-bool Rejects(bool is_min, T object, T query) {
-  return is_min && std::is_floating_point_v<T> ? object > query
-                                               : object < query;
-}
 
 template <typename T>
 class ScanWordsTest : public ::testing::Test {
@@ -217,11 +133,11 @@ class ScanWordsTest : public ::testing::Test {
     using Limits = std::numeric_limits<T>;
     switch (random_() % 32) {
       case 0:
-        return Limits::has_quiet_NaN ? Limits::quiet_NaN() : T{0};
+        return Limits::quiet_NaN();
       case 1:
-        return Limits::has_infinity ? Limits::infinity() : Limits::max();
+        return Limits::infinity();
       case 2:
-        return Limits::has_infinity ? -Limits::infinity() : Limits::min();
+        return -Limits::infinity();
       case 3:
       case 4:
         return static_cast<T>(static_cast<int>(random_() % 5) - 2);
@@ -244,8 +160,10 @@ class ScanWordsTest : public ::testing::Test {
     for (std::size_t i = 0; i < count; ++i) {
       bool rejected = false;
       for (std::size_t p = 0; p < word_case.planes; ++p) {
+        const T object = planes_[p][kFirst + i];
+        // A NaN rejects nothing.
         rejected |=
-            Rejects(p < word_case.mins, planes_[p][kFirst + i], query_[p]);
+            p < word_case.mins ? object > query_[p] : object < query_[p];
       }
       word |= std::uint64_t{!rejected} << i;
     }
@@ -261,9 +179,7 @@ class ScanWordsTest : public ::testing::Test {
                  std::to_string(word_case.mins) + " minima");
     for (int round = 0; round < 50; ++round) {
       Fill();
-      const std::uint64_t expected = Expected(word_case, 64);
-      ASSERT_EQ(Word(word_case.whole, 64), expected);
-      ASSERT_EQ(Word(word_case.wide, 64), expected);
+      ASSERT_EQ(Word(word_case.whole, 64), Expected(word_case, 64));
       for (std::size_t count = 1; count < 64; ++count) {
         ASSERT_EQ(Word(word_case.tail, count), Expected(word_case, count))
             << count << " objects";
@@ -281,40 +197,23 @@ class ScanWordsTest : public ::testing::Test {
 struct ElementNames {
   template <typename T>
   static std::string GetName(int) {
-    return (std::is_floating_point_v<T> ? "Float" : "Int") +
-           std::to_string(8 * sizeof(T));
+    return "Float" + std::to_string(8 * sizeof(T));
   }
 };
 
-using Elements = ::testing::Types<float, double, std::int8_t, std::int16_t>;
+using Elements = ::testing::Types<float, double>;
 TYPED_TEST_SUITE(ScanWordsTest, Elements, ElementNames);
 
 TYPED_TEST(ScanWordsTest, AreThoseOfAPlainLoop) {
-  ForEachTargetUnderTest([this](auto target) {
-    constexpr const WordCases<TypeParam>& kCases =
-        kWordCases<target(), TypeParam>;
-    for (const auto& word_case : kCases) {
-      if (word_case.planes != 0) this->Check(word_case);
+  const std::vector<Target> targets = TargetsUnderTest();
+  kernels::ForEachCompiledTarget([&](auto target) {
+    const Target handle = Target::FromHighwayBit(target());
+    if (std::find(targets.begin(), targets.end(), handle) == targets.end()) {
+      return;
     }
-  });
-}
-
-TEST(NonzeroWordsTest, AreThoseOfAPlainLoop) {
-  ForEachTargetUnderTest([](auto target) {
-    std::mt19937_64 random(1);
-    for (std::size_t count = 0; count <= 64; ++count) {
-      for (int round = 0; round < 20; ++round) {
-        // One bit, so that no part of a word is overlooked. What follows the
-        // words is not 0, so that it is seen if it is read.
-        std::vector<std::uint64_t> words(64 + 16, ~std::uint64_t{0});
-        std::uint64_t expected = 0;
-        for (std::size_t w = 0; w < count; ++w) {
-          words[w] = std::uint64_t{random() % 2} << (random() % 64);
-          expected |= std::uint64_t{words[w] != 0} << w;
-        }
-        ASSERT_EQ(kNonzeroWords<target()>(words.data(), count), expected)
-            << count << " words";
-      }
+    SCOPED_TRACE(std::string(handle.name()));
+    for (const auto& word_case : kWordCases<target(), TypeParam>) {
+      this->Check(word_case);
     }
   });
 }
