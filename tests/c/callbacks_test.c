@@ -36,13 +36,6 @@ static void run_too_often(void* context, size_t count, hs_part_function part,
   for (i = 0; i < count + 3; ++i) part(of_part, i);
 }
 
-static int has_blob(const hs_bvh* bvh, const void* blob, size_t size) {
-  const void* its_blob = NULL;
-  size_t its_size = 0;
-  CHECK_OK(hs_bvh_blob(bvh, &its_blob, &its_size));
-  return size == its_size && memcmp(blob, its_blob, size) == 0;
-}
-
 // Each part runs once, whatever the caller's function passes. The result does
 // not depend on it.
 static void test_run(void) {
@@ -59,19 +52,16 @@ static void test_run(void) {
   hs_pair_events* events = NULL;
   hs_pair_event_options options;
   const hs_id_pair* pairs = NULL;
-  const void* blob = NULL;
-  size_t size = 0;
   size_t count = 0;
   size_t left = 0;
   size_t i;
   random_bounds(HS_BOX3, OBJECTS, 0.05f, 17, objects);
   CHECK_OK(hs_bvh_create(&config, &columns, &right));
-  CHECK_OK(hs_bvh_blob(right, &blob, &size));
   config.run = run_one_number;
   for (i = 0; i < sizeof(numbers) / sizeof(numbers[0]); ++i) {
     config.run_context = (void*)&numbers[i];
     CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
-    CHECK(has_blob(bvh, blob, size));
+    CHECK(have_same_bytes(bvh, right));
     hs_bvh_destroy(bvh);
     bvh = NULL;
   }
@@ -88,14 +78,14 @@ static void test_run(void) {
   CHECK(bvh == NULL);
   threads = (work){0, 0, 0};
   CHECK_OK(hs_builder_finish(builder, &bvh));
-  CHECK(has_blob(bvh, blob, size));
+  CHECK(have_same_bytes(bvh, right));
   CHECK(threads.parts > threads.calls && threads.calls > 0);
   hs_builder_destroy(builder);
   hs_builder_destroy(NULL);
 
   threads = (work){0, 0, 0};
   CHECK_OK(hs_bvh_refit(bvh, &columns, run_backwards, &threads));
-  CHECK(has_blob(bvh, blob, size));
+  CHECK(have_same_bytes(bvh, right));
   CHECK(threads.parts > threads.calls && threads.calls > 0);
   threads.left_out = 1;
   CHECK_RUN_FAILS(hs_bvh_refit(bvh, &columns, run_backwards, &threads),
@@ -165,7 +155,7 @@ static const float kFar[] = {9, 9, 9, 9};
 static hs_broad_phase* bodies_2d;
 
 // A callback moves the bodies, and its query goes on. Calls that wait for
-// queries fail: limits_test.cc makes all of them.
+// queries fail: broad_phase_test.cc makes them.
 static hs_visit move_away(void* context, size_t query, const uint32_t* ids,
                           size_t count) {
 #define CHECK_INSIDE(function, arguments)                                  \

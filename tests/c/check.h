@@ -91,6 +91,14 @@ static inline hs_scan_config scan_config_of(hs_kind kind, int bits) {
   return config;
 }
 
+static inline int have_same_bytes(const hs_bvh* a, const hs_bvh* b) {
+  const void* blobs[2] = {NULL, NULL};
+  size_t sizes[2] = {0, 0};
+  CHECK_OK(hs_bvh_blob(a, &blobs[0], &sizes[0]));
+  CHECK_OK(hs_bvh_blob(b, &blobs[1], &sizes[1]));
+  return sizes[0] == sizes[1] && memcmp(blobs[0], blobs[1], sizes[0]) == 0;
+}
+
 void test_callbacks(void);
 void test_files(void);
 void test_errors(void);

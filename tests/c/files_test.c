@@ -158,8 +158,7 @@ static void test_whole_files(hs_bvh* bvh, const void* blob, size_t size) {
   CHECK_OK(hs_bvh_save(bvh, kPath));
   CHECK_OK(hs_bvh_save(bvh, kPath));
   CHECK_OK(hs_bvh_load(&box3, kPath, &copy));
-  CHECK_OK(hs_bvh_blob(copy, &data, &bytes));
-  CHECK(bytes == size && memcmp(data, blob, size) == 0);
+  CHECK(have_same_bytes(copy, bvh));
   CHECK_OK(hs_bvh_verify(copy));
   destroy(&copy);
   check_count(hs_bvh_from_blob(&box3, blob, size, &copy), &copy, OBJECTS);
@@ -353,9 +352,6 @@ static void test_builder_in_a_file(hs_kind kind) {
   size_t m;
   random_bounds(kind, OBJECTS, 0.01f, 12, objects);
   for (m = 0; m < sizeof(kMemory) / sizeof(kMemory[0]); ++m) {
-    const void* expected = NULL;
-    const void* blob = NULL;
-    size_t expected_size = 0;
     size_t size = 0;
     size_t b;
     size_t pushed = 0;
@@ -377,9 +373,7 @@ static void test_builder_in_a_file(hs_kind kind) {
     config.quality = kMemory[m] == 0 ? HS_QUALITY_HIGH : HS_QUALITY_FAST;
     columns = hs_float_rows(objects, OBJECTS, values);
     CHECK_OK(hs_bvh_create(&config, &columns, &in_memory));
-    CHECK_OK(hs_bvh_blob(in_memory, &expected, &expected_size));
-    CHECK_OK(hs_bvh_blob(bvh, &blob, &size));
-    CHECK(size == expected_size && memcmp(blob, expected, size) == 0);
+    CHECK(have_same_bytes(bvh, in_memory));
     destroy(&bvh);
     destroy(&in_memory);
     columns = hs_float_rows(objects, 1, values);
@@ -398,18 +392,12 @@ static void check_rows_of(const hs_bvh* bvh, size_t count) {
   float* const rows = malloc((count + OBJECTS) * VALUES * sizeof(float));
   const hs_columns columns = hs_float_rows(rows, count + OBJECTS, VALUES);
   hs_bvh_config config = bvh_config_of(HS_BOX3);
-  const void* expected = NULL;
-  const void* blob = NULL;
-  size_t expected_size = 0;
-  size_t size = 0;
   hs_bvh* in_memory = NULL;
   memcpy(rows, objects, count * VALUES * sizeof(float));
   memcpy(rows + count * VALUES, objects, OBJECTS * VALUES * sizeof(float));
   config.quality = HS_QUALITY_FAST;
   CHECK_OK(hs_bvh_create(&config, &columns, &in_memory));
-  CHECK_OK(hs_bvh_blob(in_memory, &expected, &expected_size));
-  CHECK_OK(hs_bvh_blob(bvh, &blob, &size));
-  CHECK(size == expected_size && memcmp(blob, expected, size) == 0);
+  CHECK(have_same_bytes(bvh, in_memory));
   destroy(&in_memory);
   free(rows);
 }
