@@ -1,18 +1,132 @@
-// Histories of a broad phase: changes of every kind, of it, its copies and a
-// list of its bodies, which choices decide.
+// Broad phases after their types are gone, a list of their bodies, which knows
+// their answers, and histories: changes of every kind, of a broad phase, its
+// copies and a list of its bodies, which choices decide.
 #ifndef HALFSPACE_TESTS_LIBRARY_BROAD_PHASE_HISTORY_H_
 #define HALFSPACE_TESTS_LIBRARY_BROAD_PHASE_HISTORY_H_
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
-#include "tests/library/broad_phase/any_bodies.h"
 #include "tests/library/bvh/history.h"
 
 namespace halfspace::testing {
+
+class AnyBodies : public Searches {
+ public:
+  using Searches::Searches;
+
+  virtual bool Has(std::uint32_t id) const = 0;
+  virtual Planes Get(std::uint32_t id) const = 0;
+  virtual BodyMasks MasksOf(std::uint32_t id) const = 0;
+  virtual Planes Bounds() const = 0;
+  virtual std::size_t id_limit() const = 0;
+  virtual bool Validate() const = 0;
+  virtual BroadPhaseStatistics Statistics() const = 0;
+  virtual Span<const IdPair> pairs() const = 0;
+  virtual Span<const IdPair> began() const = 0;
+  virtual Span<const IdPair> ended() const = 0;
+  virtual std::vector<std::byte> Save() const = 0;
+  virtual std::unique_ptr<AnyBodies> Copy() const = 0;
+
+  virtual void Insert(const Ids& ids, const std::vector<Planes>& bounds,
+                      const std::vector<BodyMasks>& masks) = 0;
+  virtual void Erase(const Ids& ids) = 0;
+  virtual void Move(const Ids& ids, const std::vector<Planes>& bounds) = 0;
+  virtual void SetMasks(const Ids& ids,
+                        const std::vector<BodyMasks>& masks) = 0;
+  virtual void Update(const UpdateOptions& options) = 0;
+  virtual void Rebuild(const Runner& run) = 0;
+  virtual void UpdatePairs(const Runner& run) = 0;
+  virtual void Load(const std::vector<std::byte>& bytes) = 0;
+};
+
+// Not of simplices.
+std::unique_ptr<AnyBodies> MakeBodies(const Layout& layout,
+                                      const BroadPhaseOptions& options = {});
+
+// The bytes of Save().
+std::vector<std::byte> BytesOf(const AabbBroadPhase3& bodies);
+
+// By their names, for bodies 0 to 99.
+using NamedCalls = std::vector<std::pair<const char*, std::function<void()>>>;
+inline NamedCalls CallsThatRunAlone(AabbBroadPhase3& bodies) {
+  return {
+      {"Insert", [&] { bodies.Insert(100, Aabb3{}); }},
+      {"Erase", [&] { bodies.Erase(2); }},
+      {"SetMasks", [&] { bodies.SetMasks(1, {}); }},
+      {"Update", [&] { bodies.Update(); }},
+      {"Rebuild", [&] { bodies.Rebuild(); }},
+      {"UpdatePairs", [&] { bodies.UpdatePairs(); }},
+      {"Load", [&, bytes = BytesOf(bodies)] { bodies.Load(bytes); }},
+      {"Save", [&] { (void)BytesOf(bodies); }},
+      {"BroadPhase", [&] { const AabbBroadPhase3 copy(bodies); }},
+      {"Validate", [&] { (void)bodies.Validate(); }},
+      {"Statistics", [&] { (void)bodies.Statistics(); }},
+  };
+}
+
+struct BodyModel {
+  struct Body {
+    Planes bound;
+    BodyMasks masks;
+    Planes seen;  // by queries
+  };
+  Layout layout{3, 3, true};
+  std::map<std::uint32_t, Body> bodies;
+  bool moves_wait = false;
+  bool (*keep)(void*, std::uint32_t, std::uint32_t, bool) = nullptr;
+
+  void Insert(std::uint32_t id, const Planes& bound,
+              const BodyMasks& masks = {}) {
+    bodies[id] = {bound, masks, bound};
+  }
+  void Move(std::uint32_t id, const Planes& bound) {
+    Body& body = bodies.at(id);
+    body.bound = bound;
+    if (!moves_wait) body.seen = bound;
+  }
+  void Update() {
+    for (auto& [id, body] : bodies) body.seen = body.bound;
+  }
+  Objects Seen() const;
+  // Those of UpdatePairs(), after Update().
+  PairList Pairs() const;
+};
+
+inline Planes PlanesOf(const Aabb3& box) {
+  return {box.min[0], box.min[1], box.min[2],
+          box.max[0], box.max[1], box.max[2]};
+}
+inline Aabb3 BoxOf(const Planes& planes) {
+  return {{planes[0], planes[1], planes[2]}, {planes[3], planes[4], planes[5]}};
+}
+
+// A filter: some pairs in spite of their masks, and some not.
+inline bool KeepsSome(void* /*context*/, std::uint32_t a, std::uint32_t b,
+                      bool masks_match) {
+  return (a + b) % 8 == 0 ? !masks_match : masks_match;
+}
+
+// Loads bytes that may be wrong. They are refused, of which nothing changes, or
+// do no harm to the calls of the broad phase. Returns whether they were taken.
+bool LoadAltered(const Layout& layout, const std::vector<std::byte>& bytes);
+
+// Answers of all kinds, chosen by a seed, and what is stored of each body.
+void ExpectAnswers(const AnyBodies& bodies, const BodyModel& model,
+                   std::uint64_t seed);
+void ExpectAnswers(const AabbBroadPhase3& bodies, const BodyModel& model,
+                   std::uint64_t seed);
+// With the calls that run alone.
+void ExpectIsModel(const AabbBroadPhase3& bodies, BodyModel& model,
+                   std::uint64_t seed);
+// Two broad phases answer the same, in the same order.
+void ExpectSameOrder(const AnyBodies& a, const AnyBodies& b,
+                     std::uint64_t seed);
 
 class BodyHistory {
  public:
@@ -27,6 +141,8 @@ class BodyHistory {
 
   void Insert(std::size_t count);
   void Move(std::size_t count);
+  void Copy();  // which goes on next to it
+  void UpdatePairs();
   // One change. Returns its number, for messages.
   std::size_t Change();
   // Each broad phase answers as the model, and all in the same order.
@@ -49,7 +165,6 @@ class BodyHistory {
   }
   void Try(const AnyBodies& bodies, const std::function<void()>& call);
   Ids Found(const Watch& watch) const;
-  void UpdatePairs();
   void QueryAndMove(std::size_t depth);
   Ids Some(std::size_t count, bool are_used);
 

@@ -14,8 +14,7 @@
 
 #include "halfspace/error.h"
 #include "halfspace/halfspace.h"
-#include "tests/library/broad_phase/any_bodies.h"
-#include "tests/library/bvh/history.h"
+#include "tests/library/broad_phase/history.h"
 #include "tests/library/support/environment.h"
 
 namespace halfspace::testing {
@@ -459,41 +458,6 @@ TEST(BroadPhaseThreadsTest, ManyThreadsQuery) {
     for (std::thread& thread : threads) thread.join();
   }
   EXPECT_TRUE(bodies.Validate());
-}
-
-// By the masks, and an id: the parts of a search run on several threads.
-bool KeepsSome(void* context, std::uint32_t a, std::uint32_t b, bool is_kept) {
-  static_cast<std::atomic<std::size_t>*>(context)->fetch_add(1);
-  return is_kept && (a + b) % 3 != 0;
-}
-
-// Enough bodies for several parts.
-TEST(BroadPhaseThreadsTest, EventsDoNotDependOnTheRunner) {
-  auto run = RunOnThreads;
-  std::vector<std::vector<IdPair>> events(2);
-  for (std::size_t r = 0; r < 2; ++r) {
-    std::atomic<std::size_t> calls{0};
-    BroadPhaseOptions options;
-    options.filter = {&KeepsSome, &calls};
-    AabbBroadPhase3 bodies(options);
-    constexpr std::uint32_t kCount = 20'000;
-    for (std::uint32_t step = 0; step < 3; ++step) {
-      Spheres spheres(Layout(3, 3, true), 1, step);
-      for (std::uint32_t id = 0; id < kCount; ++id) {
-        const Aabb3 box = BoxOf(spheres.Next());
-        const BodyMasks masks = {std::uint32_t{1} << id % 32, ~(id % 5)};
-        if (step == 0) bodies.Insert(id, box, masks);
-        if (step * (id % 3) != 0) bodies.Move(id, box);
-      }
-      bodies.UpdatePairs(r == 0 ? Runner() : Runner(run));
-      for (const auto& list : {bodies.began(), bodies.ended()}) {
-        events[r].insert(events[r].end(), list.begin(), list.end());
-      }
-    }
-    EXPECT_GT(bodies.pairs().size(), 1000u);
-    EXPECT_GT(calls.load(), bodies.pairs().size());
-  }
-  EXPECT_EQ(events[0], events[1]);
 }
 
 }  // namespace

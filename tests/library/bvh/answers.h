@@ -88,8 +88,6 @@ void ExpectPairs(const Searches& world, const Objects& objects,
 std::vector<Shape> SomeShapes(const Layout& layout, Shape::Kind kind,
                               std::size_t count, bool is_special,
                               Random& random);
-Place SomePlace(const Layout& layout, bool is_point, bool is_special,
-                Random& random);
 Motion SomeMotion(const Layout& layout, Motion::Kind kind, bool is_special,
                   Random& random);
 

@@ -1,13 +1,19 @@
 // BVHs of every kind answer as a list of their objects does: in worlds of every
-// scene and size, in both orders, on every target.
+// scene and size, in both orders, on every target. What touches a shape is
+// never rejected, in any floating-point mode; shapes that cannot be bounded;
+// and distances of all sizes.
 #include "tests/library/bvh/answers.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <initializer_list>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "tests/library/bvh/history.h"
@@ -164,6 +170,300 @@ TEST_P(BvhTest, CodesDecideOnlyWhatTheyProve) {
           ASSERT_EQ(counts, expected[m]) << "from " << scale.base << " by "
                                          << scale.step << ", " << target.name();
         }
+      }
+    }
+  }
+}
+
+class BvhShapesTest : public ::testing::TestWithParam<Layout> {};
+INSTANTIATE_TEST_SUITE_P(Of, BvhShapesTest,
+                         ::testing::ValuesIn(LayoutsOf(false)), LayoutName());
+
+// Shapes of integers, times a power of two, and objects that touch them in a
+// point of integers.
+TEST_P(BvhShapesTest, NeverRejectWhatTouches) {
+  const Layout layout = GetParam();
+  const std::size_t dims = layout.dims;
+  using Exact = std::array<double, 3>;
+  Random random(4);
+  for (std::size_t round = 0; round < Scaled(400); ++round) {
+    // Up to what a builder can bound, and beyond.
+    const int exponent = static_cast<int>(random() % 256) - 150;
+    // Subnormals have no room for all integers.
+    bool is_exact = true;
+    const auto scaled = [&](double x) {
+      const auto value = static_cast<float>(std::ldexp(x, exponent));
+      is_exact &= std::ldexp(double{value}, -exponent) == x;
+      return value;
+    };
+    const auto integer = [&](std::uint64_t most) {
+      return 16 * (static_cast<double>(random() % (2 * most + 1)) -
+                   static_cast<double>(most));
+    };
+    Exact a{};
+    Exact b{};
+    for (std::size_t k = 0; k < dims; ++k) {
+      a[k] = integer(round % 2 == 0 ? 1000 : 100'000);
+      b[k] = random() % 4 == 0 ? a[k] : integer(100'000);
+    }
+    // A corner of the sphere with radius 13 or 5.
+    const double size = static_cast<double>(random() % 5'000);
+    const double radius = size * (dims == 3 ? 13 : 5);
+    constexpr Exact kCorner = {3, 4, 12};
+    // A point, which the bound may exceed in directions that do not matter.
+    const auto bound_of = [&](const Exact& p) {
+      Planes bound{};
+      double sum = 0;
+      for (std::size_t k = 0; k < dims; ++k) sum -= p[k];
+      const std::uint64_t more = random() % 4 == 0 ? 0 : random();
+      for (std::size_t v = 0; v < layout.plane_count; ++v) {
+        const std::size_t k = v % layout.axes;
+        double value = k < dims ? p[k] : sum;
+        if ((more >> v & 1) != 0) {
+          value += IsMin(layout, v) ? -size - 50 : size + 50;
+        }
+        const auto rounded = static_cast<float>(std::ldexp(value, exponent));
+        // Of sums that have too many bits.
+        bound[v] = std::ldexp(double{rounded}, -exponent) == value ? rounded
+                   : IsMin(layout, v) ? std::nextafter(rounded, -kInf)
+                                      : std::nextafter(rounded, kInf);
+      }
+      return bound;
+    };
+    // The numbers of points, and of a radius.
+    const auto of = [&](std::initializer_list<Exact> points,
+                        std::optional<double> its_radius = {}) {
+      std::vector<float> numbers;
+      for (const Exact& p : points) {
+        for (std::size_t k = 0; k < dims; ++k) numbers.push_back(scaled(p[k]));
+      }
+      if (its_radius) numbers.push_back(scaled(*its_radius));
+      return numbers;
+    };
+    Exact low{};
+    Exact high{};
+    for (std::size_t k = 0; k < dims; ++k) {
+      low[k] = std::min(a[k], b[k]);
+      high[k] = std::max(a[k], b[k]);
+    }
+    const Shape point{Shape::kPoint, of({a})};
+    const Shape segment{Shape::kSegment, of({a, b})};
+    const Shape sphere{Shape::kSphere, of({a}, radius)};
+    const Shape capsule{Shape::kCapsule, of({a, b}, radius)};
+    const Shape rounded{Shape::kRoundedBox, of({low, high}, radius)};
+    Shape box{Shape::kOrientedBox, of({a})};
+    std::array<Exact, 3> box_axes{};
+    for (std::size_t axis = 0; axis < dims; ++axis) {
+      for (std::size_t k = 0; k < dims; ++k) {
+        box_axes[axis][k] = round % 5 == 0 && k != axis ? 0 : integer(100);
+        box.numbers.push_back(static_cast<float>(box_axes[axis][k]));
+      }
+    }
+    box.numbers.resize(box.numbers.size() + dims, scaled(2));
+    if (!is_exact) continue;
+    // In front of planes through a point.
+    Shape fronts{Shape::kHalfSpaces, {}};
+    for (std::size_t i = random() % 7; i-- > 0;) {
+      double offset = 0;
+      for (std::size_t k = 0; k < dims; ++k) {
+        fronts.numbers.push_back(static_cast<float>(random() % 9) - 4);
+        offset -= fronts.numbers.back() * a[k];
+      }
+      fronts.numbers.push_back(scaled(offset));
+    }
+    std::vector<Planes> in_box;
+    std::vector<Planes> on_segment;
+    std::vector<Planes> on_capsule;
+    std::vector<Planes> on_sphere;
+    std::vector<Planes> on_rounded;
+    std::vector<Planes> on_point(150);
+    for (Planes& bound : on_point) {
+      // A corner of a box with axes at any angles.
+      Exact corner = a;
+      for (std::size_t axis = 0; axis < dims; ++axis) {
+        const double side = random() % 2 == 0 ? 2 : -2;
+        for (std::size_t k = 0; k < dims; ++k) {
+          corner[k] += side * box_axes[axis][k];
+        }
+      }
+      in_box.push_back(bound_of(corner));
+      const double t = static_cast<double>(random() % 17) / 16;
+      Exact along{};
+      Exact beside{};
+      Exact on_ball{};
+      Exact on_corner{};
+      for (std::size_t k = 0; k < dims; ++k) {
+        const double away = (random() % 2 == 0 ? size : -size) *
+                            kCorner[(k + in_box.size()) % dims];
+        along[k] = a[k] + t * (b[k] - a[k]);
+        beside[k] = along[k] + away;
+        on_ball[k] = a[k] + away;
+        on_corner[k] = away + (away < 0 ? low : high)[k];
+      }
+      on_segment.push_back(bound_of(along));
+      on_capsule.push_back(bound_of(beside));
+      on_sphere.push_back(bound_of(on_ball));
+      on_rounded.push_back(bound_of(on_corner));
+      bound = bound_of(a);
+    }
+    const auto expect_all = [&](const std::vector<Planes>& bounds,
+                                const Shape& shape) {
+      const auto bvh = MakeBvh(layout, bounds);
+      for (Target target : TargetsUnderTest()) {
+        for (FpMode mode : kFpModes) {
+          std::size_t kept = 0;
+          if (mode == FpMode::kTraps) continue;
+          RunIn(mode, [&] { kept = bvh->Count(shape, {.target = target}); });
+          ASSERT_EQ(kept, bounds.size())
+              << "round " << round << ", times 2^" << exponent << ", "
+              << target.name() << ", shape " << shape.kind << ", mode "
+              << static_cast<int>(mode);
+        }
+      }
+    };
+    expect_all(in_box, box);
+    expect_all(on_segment, segment);
+    expect_all(on_segment, capsule);
+    expect_all(on_capsule, capsule);
+    expect_all(on_sphere, sphere);
+    expect_all(on_rounded, rounded);
+    expect_all(on_point, point);
+    expect_all(on_point, fronts);
+    if (HasFatalFailure()) return;
+  }
+}
+
+// Of half-spaces, one that is unusable keeps every object, also those that are
+// Empty(), and the others count. Other shapes with such numbers keep what
+// their reference keeps (ExpectFinds()).
+TEST_P(BvhShapesTest, UnusableHalfSpacesKeepEveryObject) {
+  const Layout layout = GetParam();
+  const std::size_t dims = layout.dims;
+  const auto bounds = ObjectsIn(Scenes()[5], layout, 4200, 1);
+  const auto bvh = MakeBvh(layout, bounds);
+  const Objects objects = ObjectsOf(bounds);
+  const auto expect_as = [&](const Shape& shape, const Shape& same) {
+    for (Target target : TargetsUnderTest()) {
+      Ids expected(bounds.size());
+      expected.resize(bvh->Find(same, expected, {}, 0));
+      Ids found(bounds.size());
+      found.resize(bvh->Find(shape, found, {.target = target}, 0));
+      ASSERT_EQ(InOrder(found), InOrder(expected)) << target.name();
+    }
+  };
+  Shape good{Shape::kHalfSpaces, std::vector<float>(dims + 1)};
+  good.numbers[0] = 1;
+  good.numbers[1] = -0.5f;
+  good.numbers[dims] = 10;
+  const Shape none{Shape::kHalfSpaces, {}};
+  ASSERT_EQ(bvh->Count(none, {}), bounds.size());
+  ExpectFinds(*bvh, objects, {&good, 1}, {});
+  ASSERT_LT(bvh->Count(good, {}), bounds.size());
+  Shape huge = good;  // the same half-space
+  for (float& x : huge.numbers) x *= 0x1p124f;
+  expect_as(huge, good);
+  for (float value : {kNan, kInf, -kInf}) {
+    for (std::size_t v = 0; v <= dims; ++v) {
+      Shape bad = good;
+      bad.numbers[v] = value;
+      expect_as(bad, none);
+      Shape two = good;
+      two.numbers.insert(two.numbers.end(), bad.numbers.begin(),
+                         bad.numbers.end());
+      expect_as(two, good);
+    }
+  }
+}
+
+// Points at distances from 2^-76 to beyond 2^64: as near to the exact distances
+// as the header says, found up to a limit that is theirs, and the same in all
+// modes.
+TEST(BvhNearestTest, DistancesOfAllSizesInAllFloatingPointModes) {
+  const Layout layout(3, 3, true);
+  constexpr std::size_t kPoints = 12;
+  Random random(3);
+  for (int exponent = -76; exponent <= 64; ++exponent) {
+    const auto any = [&] {
+      const auto share = static_cast<float>(random() % (1 << 23)) * 0x1p-24f;
+      return std::ldexp(0.5f + share, exponent);
+    };
+    Motion ray;
+    ray.place.is_point = true;
+    Corner& center = ray.place.min;
+    if (exponent % 3 == 0) center = {any(), any(), -any()};
+    ray.direction = {any(), -any(), any()};
+    ray.max_t = kInf;
+    ray.radius = any();
+    std::vector<Planes> bounds;
+    std::vector<double> exact;
+    std::vector<float> limits = {kInf};
+    for (std::size_t i = 0; i < kPoints; ++i) {
+      Corner p = center;
+      double squared = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (i % 4 != k) p[k] += random() % 2 == 0 ? any() : -any();
+        const double gap = double{p[k]} - center[k];
+        squared += gap * gap;
+      }
+      bounds.push_back({p[0], p[1], p[2], p[0], p[1], p[2]});
+      exact.push_back(std::sqrt(squared));
+      // It is found up to the first, and not up to the second.
+      const double too_near = (exact[i] - 0x1p-73) / (1 + 0x1p-18);
+      limits.push_back(std::nextafter(static_cast<float>(exact[i]), kInf));
+      limits.push_back(
+          std::max(std::nextafter(static_cast<float>(too_near), -kInf), 0.0f));
+    }
+    const auto bvh = MakeBvh(layout, bounds);
+    using Found = std::vector<std::pair<std::uint32_t, float>>;
+    for (Target target : TargetsUnderTest()) {
+      const SearchOptions options = {.target = target};
+      // In another mode nothing may be computed here.
+      const auto answer = [&](FpMode mode) {
+        std::vector<Found> answers(limits.size() + 2);
+        for (Found& found : answers) found.reserve(kPoints);
+        Ids ids(kPoints);
+        std::vector<float> distances(kPoints);
+        std::size_t at = 0;
+        const auto append = [&](std::uint32_t id, float value, const Planes&) {
+          answers[at].emplace_back(id, value);
+          return Limit{value};
+        };
+        RunIn(mode, [&] {
+          for (float limit : limits) {
+            const std::size_t count =
+                bvh->Nearest(ray.place, ids, distances, limit, options);
+            for (std::size_t i = 0; i < count; ++i) {
+              answers[at].emplace_back(ids[i], distances[i]);
+            }
+            ++at;
+          }
+          bvh->ForEachNearest(center, kInf, append, options);
+          ++at;
+          bvh->Cast(ray, append, options);
+        });
+        return answers;
+      };
+      const auto answers = answer(FpMode::kDefault);
+      for (const auto& [id, distance] : answers[0]) {
+        EXPECT_NEAR(distance, exact[id], exact[id] * 0x1p-20 + 0x1p-73);
+      }
+      for (std::size_t i = 0; i < kPoints; ++i) {
+        const auto is_found = [&](std::size_t a) {
+          return std::any_of(answers[a].begin(), answers[a].end(),
+                             [&](const auto& one) { return one.first == i; });
+        };
+        const bool is_near = exact[i] <= 0x1p64 * (1 - 0x1p-20);
+        if (is_near || exact[i] >= 0x1p64) {
+          EXPECT_EQ(is_found(0), is_near) << exact[i];
+          EXPECT_EQ(is_found(1 + 2 * i), is_near) << exact[i];
+        }
+        EXPECT_FALSE(exact[i] > 0x1p-73 && is_found(2 + 2 * i)) << exact[i];
+      }
+      for (FpMode mode : kFpModes) {
+        EXPECT_TRUE(answer(mode) == answers) << static_cast<int>(mode);
+      }
+      if (HasFailure()) {
+        FAIL() << "times 2^" << exponent << ", " << target.name();
       }
     }
   }

@@ -3,7 +3,6 @@
 #ifndef HALFSPACE_TESTS_LIBRARY_BVH_ANY_BVH_H_
 #define HALFSPACE_TESTS_LIBRARY_BVH_ANY_BVH_H_
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>

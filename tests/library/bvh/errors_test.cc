@@ -30,6 +30,14 @@ using Boxes3 = Span<const Aabb3>;
 using DoubleBoxes = Span<const Aabb<3, double>>;
 using HalfSpaces = Span<const HalfSpace3>;
 
+// Lists of half-spaces that no call takes, and what is wrong with each.
+std::vector<std::pair<HalfSpaces, const char*>> BadHalfSpaces() {
+  static const std::vector<HalfSpace3> many(65);
+  return {{many, "65"},
+          {HalfSpaces(nullptr, 1), "null"},
+          {HalfSpaces(Misaligned(many.data()), 1), "misaligned"}};
+}
+
 // Copies of a world of 100 objects without id 7.
 class BvhErrorsTest : public ::testing::Test {
  protected:
@@ -241,11 +249,7 @@ TEST_F(BvhErrorsTest, NothingIsWrittenBeforeAllIsChecked) {
                     "radius", given);
   }
   const std::vector<HalfSpace3> many(65);
-  const HalfSpace3* const none = nullptr;
-  for (const auto& [bad, given] :
-       {std::pair{HalfSpaces(many), "65"},
-        std::pair{HalfSpaces(none, 1), "null"},
-        std::pair{HalfSpaces(Misaligned(many.data()), 1), "misaligned"}}) {
+  for (const auto& [bad, given] : BadHalfSpaces()) {
     queries_refused(std::array{HalfSpaces(), HalfSpaces(many.data(), 1), bad},
                     "half-spaces", given);
   }
@@ -327,10 +331,7 @@ TEST(RejectShapesErrorsTest, RefuseWhatIsWrong) {
   Canaried<std::uint64_t> canaried_mask;
   const Span<std::uint32_t> ids = canaried_ids.Reset(100);
   const Span<std::uint64_t> mask = canaried_mask.Reset(2);
-  for (const auto& [bad, given] :
-       {std::pair{HalfSpaces(many), "65"},
-        std::pair{HalfSpaces(nullptr, 1), "null"},
-        std::pair{HalfSpaces(Misaligned(many.data()), 1), "misaligned"}}) {
+  for (const auto& [bad, given] : BadHalfSpaces()) {
     const HalfSpaces its = bad;
     EXPECT_REFUSED((Survivors(world, its, ids)), "Survivors", "half-spaces",
                    given);

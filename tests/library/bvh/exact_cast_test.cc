@@ -1,12 +1,11 @@
 // Casts of a Bvh, of each type, against rational arithmetic: no hit is missed,
-// and no t is above the exact one. Broad phases give the same (history_test).
+// and no t is above the exact one. Broad phases give the same (histories).
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <optional>
 #include <vector>
@@ -163,65 +162,48 @@ std::optional<mpq_class> ExactEntry(const Layout& layout, const Planes& bound,
   return times.from;
 }
 
+// Between -1 and 1.
+float Unit(Random& random) {
+  return static_cast<float>(random() % (1 << 24)) * 0x1p-23f - 1;
+}
+
 // Where numbers are from.
-enum class Scale {
-  kUsual,
-  kLattice,  // small integers: much touches exactly, and moves along planes
-  kTiny,     // subnormals
-  kHuge,
-  kMixed  // any magnitude
+struct Scale {
+  const char* name;
+  float (*coordinate)(Random& random);
+  bool is_usual = false;
+
+  float Size(Random& random) const {
+    const float size = std::abs(coordinate(random));
+    return is_usual ? size / 8 : random() % 4 == 0 ? 0 : size;
+  }
+  float Speed(Random& random) const {
+    if (random() % 6 == 0) return 0;
+    return is_usual ? Unit(random) : coordinate(random);
+  }
 };
+constexpr Scale kScales[] = {
+    {"usual", [](Random& random) { return Unit(random) * 10; }, true},
+    // Much touches exactly, and moves along planes.
+    {"small integers",
+     [](Random& random) { return static_cast<float>(random() % 9) - 4; }},
+    {"subnormals", [](Random& random) { return Unit(random) * 0x1p-140f; }},
+    {"huge", [](Random& random) { return Unit(random) * 0x1p98f; }},
+    {"any magnitude", [](Random& random) {
+       return std::ldexp(Unit(random), static_cast<int>(random() % 250) - 148);
+     }}};
 
-class Numbers {
- public:
-  Numbers(Scale scale, std::uint64_t seed) : scale_(scale), random_(seed) {}
-
-  std::size_t Next(std::size_t end) { return random_() % end; }
-  float Coordinate() {
-    switch (scale_) {
-      case Scale::kUsual:
-        return Unit() * 10;
-      case Scale::kLattice:
-        return static_cast<float>(Next(9)) - 4;
-      case Scale::kTiny:
-        return Unit() * 0x1p-140f;
-      case Scale::kHuge:
-        return Unit() * 0x1p98f;
-      case Scale::kMixed:
-        break;
-    }
-    return std::ldexp(Unit(), static_cast<int>(Next(250)) - 148);
-  }
-  float Size() {
-    const float size = std::abs(Coordinate());
-    return scale_ == Scale::kUsual ? size / 8 : Next(4) == 0 ? 0 : size;
-  }
-  float Speed() {
-    if (Next(6) == 0) return 0;
-    if (scale_ == Scale::kUsual) return Unit();
-    return Coordinate();
-  }
-  // Between -1 and 1.
-  float Unit() {
-    return static_cast<float>(Next(std::size_t{1} << 24)) * 0x1p-23f - 1;
-  }
-
- private:
-  Scale scale_;
-  Random random_;
-};
-
-Planes SomeBound(const Layout& layout, Numbers& numbers) {
+Planes SomeBound(const Layout& layout, const Scale& scale, Random& random) {
   std::array<float, 4> min{};
   std::array<float, 4> max{};
   for (std::size_t k = 0; k <= layout.dims; ++k) {
-    min[k] = numbers.Coordinate();
-    max[k] = min[k] + numbers.Size();
-    if (numbers.Next(20) == 0) max[k] = kInf;
-    if (numbers.Next(20) == 0) min[k] = -kInf;
+    min[k] = scale.coordinate(random);
+    max[k] = min[k] + scale.Size(random);
+    if (random() % 20 == 0) max[k] = kInf;
+    if (random() % 20 == 0) min[k] = -kInf;
   }
   // A D that belongs to the box, for most of them.
-  if (numbers.Next(4) != 0) {
+  if (random() % 4 != 0) {
     float& min_d = min[layout.dims];
     float& max_d = max[layout.dims];
     min_d = max_d = 0;
@@ -244,12 +226,11 @@ INSTANTIATE_TEST_SUITE_P(Of, ExactCastTest,
 TEST_P(ExactCastTest, NoHitIsMissedAndNoneIsLate) {
   const Layout layout = GetParam();
   constexpr std::uint32_t kBodies = 80;  // in two leaves
-  for (const Scale scale : {Scale::kUsual, Scale::kLattice, Scale::kTiny,
-                            Scale::kHuge, Scale::kMixed}) {
-    Numbers numbers(scale, static_cast<std::uint64_t>(scale));
+  for (const Scale& scale : kScales) {
+    Random random(1);
     std::vector<Planes> bounds;
     for (std::uint32_t id = 0; id < kBodies; ++id) {
-      bounds.push_back(SomeBound(layout, numbers));
+      bounds.push_back(SomeBound(layout, scale, random));
     }
     const auto bvh = MakeBvh(layout, bounds);
     const std::size_t casts = 3 + Scaled(30);
@@ -261,14 +242,16 @@ TEST_P(ExactCastTest, NoHitIsMissedAndNoneIsLate) {
       motion.kind = kKinds[i % 3];
       motion.place.is_point = motion.kind != Motion::kBox;
       for (std::size_t k = 0; k < layout.dims; ++k) {
-        motion.place.min[k] = motion.place.max[k] = numbers.Coordinate();
-        if (motion.kind == Motion::kBox) motion.place.max[k] += numbers.Size();
-        motion.direction[k] = numbers.Speed();
+        motion.place.min[k] = motion.place.max[k] = scale.coordinate(random);
+        if (motion.kind == Motion::kBox) {
+          motion.place.max[k] += scale.Size(random);
+        }
+        motion.direction[k] = scale.Speed(random);
       }
-      if (numbers.Next(10) == 0) motion.direction = {};
+      if (random() % 10 == 0) motion.direction = {};
       constexpr float kTimes[] = {1, 3, 20, 0, 0x1p-130f, 0x1p60f, kInf};
-      motion.max_t = kTimes[numbers.Next(std::size(kTimes))];
-      if (motion.kind == Motion::kBall) motion.radius = numbers.Size();
+      motion.max_t = kTimes[random() % std::size(kTimes)];
+      if (motion.kind == Motion::kBall) motion.radius = scale.Size(random);
       std::map<std::uint32_t, float> found;
       bvh->Cast(motion,
                 [&](std::uint32_t id, float t, const Planes&) {
@@ -277,8 +260,8 @@ TEST_P(ExactCastTest, NoHitIsMissedAndNoneIsLate) {
                 },
                 {});
       for (std::uint32_t id = 0; id < kBodies; ++id) {
-        SCOPED_TRACE(::testing::Message() << "scale " << static_cast<int>(scale)
-                                          << ", cast " << i << ", body " << id);
+        SCOPED_TRACE(::testing::Message()
+                     << scale.name << ", cast " << i << ", body " << id);
         const auto entry = ExactEntry(layout, bounds[id], motion);
         const auto t = found.find(id);
         if (entry) {
@@ -287,7 +270,7 @@ TEST_P(ExactCastTest, NoHitIsMissedAndNoneIsLate) {
           ASSERT_LE(Exact(t->second), *entry) << entry->get_d();
         }
         // Nothing is found by more than what is rounded off.
-        if (scale != Scale::kUsual || t == found.end()) continue;
+        if (!scale.is_usual || t == found.end()) continue;
         const auto early =
             ExactEntry(layout, bounds[id], motion, Exact(0x1p-14));
         ASSERT_TRUE(early);

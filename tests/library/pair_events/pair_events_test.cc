@@ -96,19 +96,16 @@ TEST_P(PairEventsTest, AreTheDifferenceOfAllPairs) {
 // So many that lists are sorted by digits, are matched far from their places,
 // and are found in parts. A few objects have most of the pairs.
 struct Crowd {
-  Crowd() : bvh(boxes()) { bvh.Reserve(bvh.size()); }
+  Crowd() { bvh.Reserve(bvh.size()); }
 
-  std::vector<Aabb3>& boxes() {
-    if (all.empty()) {
-      const auto world = Spread<AabbView3>(1.2f).Objects(6000);
-      for (std::uint32_t i = 0; i < world.size(); ++i) {
-        all.push_back(world.Get(i));
-      }
-      for (std::uint32_t i = 5; i < 6000; i += 1700) {
-        all[i] = {{-50, -50, -50}, {50, 0, 50}};
-      }
+  static std::vector<Aabb3> Boxes() {
+    Spread<AabbView3> spread(1.2f);
+    std::vector<Aabb3> boxes(6000);
+    for (Aabb3& box : boxes) box = spread.NextObject();
+    for (std::size_t i = 5; i < boxes.size(); i += 1700) {
+      boxes[i] = {{-50, -50, -50}, {50, 0, 50}};
     }
-    return all;
+    return boxes;
   }
   void Move(const Ids& ids) {
     std::uniform_real_distribution<float> step(-0.3f, 0.3f);
@@ -131,8 +128,8 @@ struct Crowd {
   }
 
   Random random{3};
-  std::vector<Aabb3> all;
-  AabbBvh3 bvh;
+  std::vector<Aabb3> all = Boxes();
+  AabbBvh3 bvh{all};
 };
 
 // In the same order on any threads. Whatever allocation fails, pairs and events

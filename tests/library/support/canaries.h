@@ -3,6 +3,8 @@
 #define HALFSPACE_TESTS_LIBRARY_SUPPORT_CANARIES_H_
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -14,7 +16,11 @@ namespace halfspace::testing {
 template <typename T>
 class Canaried {
  public:
-  static constexpr T kCanary = static_cast<T>(0xc5c5c5c5c5c5c5c5u);
+  static constexpr T kCanary = [] {
+    std::array<std::uint8_t, sizeof(T)> bytes{};
+    for (std::uint8_t& byte : bytes) byte = 0xc5;
+    return std::bit_cast<T>(bytes);
+  }();
   static constexpr std::size_t kEach = 64;  // more than any vector is long
 
   // All of it, the usable part too, becomes canaries.
