@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <bit>
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 

@@ -21,7 +21,6 @@
 #include <ios>
 #include <map>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include "halfspace/halfspace.h"

@@ -6,8 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <span>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -133,58 +131,49 @@ void VisitBvh(
   const std::vector<Aabo3> queries(70, floats.Get(2500));
   std::vector<std::uint32_t> ids(100'000);
   std::vector<std::size_t> offsets(queries.size() + 1);
+  const Sphere3 sphere{{2500, 2500, 2500}, 50};
+  const std::vector<Point3> points(4, sphere.center);
+  const std::vector<HalfSpace3> half_space = {{{1, 0, 0}, -2500}};
+  std::array<std::uint32_t, 4000> nearest;
+  std::vector<IdPair> pairs(100);
+  const std::vector<std::uint32_t> set(63, 2500);
+  const auto on_ids = [](Span<const std::uint32_t>) {};
+  const auto on_hit = [](std::uint32_t, float) {};
   for (Target target : TargetsUnderTest()) {
-    visit("Survivors", kQuery, [&] {
-      std::ignore = Survivors(world, queries[0], ids, {.target = target});
-    });
-    visit("CountSurvivors", kQuery, [&] {
-      std::ignore = CountSurvivors(world, queries[0], {.target = target});
-    });
-    visit("AnySurvivor", kQuery, [&] {
-      std::ignore = AnySurvivor(world, queries[0], {.target = target});
-    });
-    visit("ForEachSurvivor", kQuery, [&] {
-      ForEachSurvivor(world, queries[0], [](Span<const std::uint32_t>) {},
-                      {.target = target});
-    });
-    visit("SurvivorsOfEach", kQuery, [&] {
-      std::ignore = SurvivorsOfEach(world, Span<const Aabo3>(queries), ids,
-                                    offsets, {.target = target});
-    });
-    const Sphere3 sphere{{2500, 2500, 2500}, 50};
-    visit("Survivors of a sphere", kShape, [&] {
-      std::ignore = Survivors(world, sphere, ids, {.target = target});
-    });
-    const HalfSpace3 half_space = {{1, 0, 0}, -2500};
+    const QueryOptions query = {.target = target};
+    const SearchOptions search = {.target = target};
+    visit("Survivors", kQuery,
+          [&] { (void)Survivors(world, queries[0], ids, query); });
+    visit("CountSurvivors", kQuery,
+          [&] { (void)CountSurvivors(world, queries[0], query); });
+    visit("AnySurvivor", kQuery,
+          [&] { (void)AnySurvivor(world, queries[0], query); });
+    visit("ForEachSurvivor", kQuery,
+          [&] { ForEachSurvivor(world, queries[0], on_ids, query); });
+    visit("SurvivorsOfEach", kQuery,
+          [&] { (void)SurvivorsOfEach(world, queries, ids, offsets, query); });
+    visit("Survivors of a sphere", kShape,
+          [&] { (void)Survivors(world, sphere, ids, query); });
     visit("Survivors of a half-space in a scan", kShape, [&] {
-      std::ignore = Survivors(floats, Span<const HalfSpace3>(&half_space, 1),
-                              ids, {.target = target});
+      (void)Survivors(floats, half_space, ids, {.target = target});
     });
-    std::array<std::uint32_t, 4000> nearest;
     visit("KNearest", kNearest, [&] {
-      std::ignore =
-          KNearest(world, sphere.center, nearest, {}, 1e9f, {.target = target});
+      (void)KNearest(world, sphere.center, nearest, {}, 1e9f, search);
     });
     visit("RayCast", kNearest, [&] {
-      RayCast(world, Ray3{{}, {1, 1, 1}, 1000}, [](std::uint32_t, float) {},
-              {.target = target});
+      RayCast(world, Ray3{{}, {1, 1, 1}, 1000}, on_hit, search);
     });
     visit("BoxCast", kNearest, [&] {
-      BoxCast(world, Aabb3{{}, {1, 1, 1}}, {1, 1, 1}, 1000,
-              [](std::uint32_t, float) {}, {.target = target});
+      BoxCast(world, Aabb3{{}, {1, 1, 1}}, {1, 1, 1}, 1000, on_hit, search);
     });
-    const std::vector<Point3> points(4, sphere.center);
     visit("KNearestOfEach", kNearest, [&] {
-      KNearestOfEach(world, Span<const Point3>(points), nearest.size() / 4,
-                     nearest, {}, 1e9f, {.target = target});
+      KNearestOfEach(world, points, nearest.size() / 4, nearest, {}, 1e9f,
+                     search);
     });
-    std::vector<IdPair> pairs(100);
     visit("Pairs", kPairs,
-          [&] { std::ignore = Pairs(world, pairs, {.target = target}); });
-    const std::vector<std::uint32_t> set(63, 2500);
+          [&] { (void)Pairs(world, pairs, {.target = target}); });
     visit("PairsOf", kPairs, [&] {
-      std::ignore =
-          PairsOf(world, set, pairs, {.wanted = set, .target = target});
+      (void)PairsOf(world, set, pairs, {.wanted = set, .target = target});
     });
   }
 }

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <new>
 #include <string>
@@ -125,15 +124,6 @@ TEST(QuantizedOwnerTest, FromViewsAndWorlds) {
   changed.Requantize(AabbView3());
   EXPECT_TRUE(changed.empty() && changed.Fits());
   EXPECT_EQ(CountSurvivors(Refined(changed, AabbView3()), query), 0u);
-}
-
-// A map that has one level for everything tells nothing apart.
-TEST(QuantizedOwnerTest, PushToAnEmptyMapIsConservative) {
-  QuantizedBounds<AabbView3> quantized;
-  EXPECT_EQ(CountSurvivors(quantized, Aabb3::Everything()), 0u);
-  for (int i = 0; i < 100; ++i) quantized.Push({{1, 1, 1}, {2, 2, 2}});
-  EXPECT_EQ(CountSurvivors(quantized, {{5, 5, 5}, {6, 6, 6}}), 100u);
-  EXPECT_FALSE(quantized.Fits());
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cstdint>
 #include <deque>
 #include <initializer_list>
 #include <list>

@@ -1,5 +1,8 @@
-// Special values, by a rule that looks only at their bits, and by hand.
-#include "tests/library/support/special_values.h"
+// Every pair of special values (object, query) in every plane and every lane,
+// against a rule that looks only at their bits. And each function of kernels.h,
+// and so of c/kernels.h, is that of its bound: the other tests call them by the
+// tables of KernelsOf().
+#include "halfspace/kernels.h"
 
 #include <gtest/gtest.h>
 
@@ -8,19 +11,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <random>
 #include <vector>
 
-#include "halfspace/world.h"
 #include "tests/library/support/answers.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/flat_cases.h"
 #include "tests/library/support/fp_modes.h"
+#include "tests/library/support/special_values.h"
 
 namespace halfspace::testing {
 namespace {
-
-// Every pair of special values (object, query) in every plane and every lane,
-// against a rule that looks only at their bits.
 
 // The rule itself, by hand.
 constexpr float kNan = std::bit_cast<float>(0x7fc00000u);
@@ -152,35 +153,67 @@ INSTANTIATE_TEST_SUITE_P(, SpecialValuesTest,
                          ::testing::ValuesIn(WholeFlatCases()),
                          ::testing::PrintToStringParamName());
 
-// Answers worked out by hand, of Everything() and Empty().
+// The functions of kernels.h by their names.
 
-// Of many copies of a bound: whole words and a tail.
-constexpr std::size_t kCopies = 3 * 64 - 1;
-
-template <typename View>
-void ExpectFatesOf(const typename View::Bound& bound) {
-  using Bound = typename View::Bound;
-  using Query = typename View::Query;
-  const auto expect = [](const Bound& object, const Query& query, bool rejected,
-                         const char* why) {
-    const World<View> world(std::vector(kCopies, object));
-    EXPECT_TRUE(AnswersEverywhere(
-        Answers(kCopies, [=](std::size_t) { return rejected; }),
-        AnyWorld(world), {&query, 1}, TargetsUnderTest()))
-        << why;
+template <typename T>
+void ExpectSame(const typename Kernels<T>::OfBound& by_name,
+                const typename Kernels<T>::OfBound& in_table) {
+  constexpr std::size_t kObjects = 3 * 64 + 7;
+  constexpr std::size_t kQueries = 3;
+  constexpr std::size_t kMostPlanes = 10;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<T> value(0, 1);
+  std::vector<T> values(kMostPlanes * kObjects);
+  for (T& v : values) v = value(random);
+  std::array<const T*, kMostPlanes> planes;
+  for (std::size_t p = 0; p < kMostPlanes; ++p) {
+    planes[p] = &values[p * kObjects];
+  }
+  std::vector<T> queries(kQueries * kMostPlanes);
+  for (T& v : queries) v = T{0.5} + value(random) / 4;
+  using Masks = std::array<std::uint64_t, kQueries*(kObjects / 64 + 1)>;
+  const auto masks_of = [&](const auto& functions) {
+    Masks masks{};
+    functions.several(planes.data(), kObjects, queries.data(), kQueries,
+                      masks.data());
+    return masks;
   };
-  expect(bound, Query::Everything(), false, "a bound");
-  expect(Bound::Everything(), Query::Everything(), false, "everything");
-  expect(Bound::Empty(), Query::Everything(), true, "empty: +inf > FLT_MAX");
-  expect(bound, Query::Empty(), true, "a bound");
-  expect(Bound::Everything(), Query::Empty(), true, "-FLT_MAX > -inf");
-  expect(Bound::Empty(), Query::Empty(), true, "empty");
+  const auto mask_of = [&](const auto& functions) {
+    Masks mask{};
+    functions.one(planes.data(), kObjects, queries.data(), mask.data());
+    return mask;
+  };
+  EXPECT_EQ(masks_of(by_name), masks_of(in_table));
+  EXPECT_EQ(mask_of(by_name), mask_of(in_table));
 }
 
-TEST(KnownTest, QueriesForEverythingAndForNothing) {
-  ExpectFatesOf<SimplexView3>({{1, 2, 3, -6}});
-  ExpectFatesOf<AabbView3>({{1, 2, 3}, {4, 5, 6}});
-  ExpectFatesOf<AaboView3>({{1, 2, 3, -6}, {1, 2, 3, -6}});
+TEST(KernelsByName, OfFloats) {
+  const auto& table = KernelsOf<float>();
+  ExpectSame<float>({&SurvivorsOfBoxes3, &SurvivorsOfBoxes3}, table.boxes3);
+  ExpectSame<float>({&SurvivorsOfSimplices3, &SurvivorsOfSimplices3},
+                    table.simplices3);
+  ExpectSame<float>({&SurvivorsOfOctahedra3, &SurvivorsOfOctahedra3},
+                    table.octahedra3);
+#if !defined(HALFSPACE_TEST_ONLY_3D)  // which a library of 3D alone lacks
+  ExpectSame<float>({&SurvivorsOfBoxes2, &SurvivorsOfBoxes2}, table.boxes2);
+  ExpectSame<float>({&SurvivorsOfBoxes4, &SurvivorsOfBoxes4}, table.boxes4);
+  ExpectSame<float>({&SurvivorsOfSimplices2, &SurvivorsOfSimplices2},
+                    table.simplices2);
+  ExpectSame<float>({&SurvivorsOfSimplices4, &SurvivorsOfSimplices4},
+                    table.simplices4);
+  ExpectSame<float>({&SurvivorsOfOctahedra2, &SurvivorsOfOctahedra2},
+                    table.octahedra2);
+  ExpectSame<float>({&SurvivorsOfOctahedra4, &SurvivorsOfOctahedra4},
+                    table.octahedra4);
+#endif
+}
+TEST(KernelsByName, OfDoubles) {
+  const auto& table = KernelsOf<double>();
+  ExpectSame<double>({&SurvivorsOfBoxes3, &SurvivorsOfBoxes3}, table.boxes3);
+#if !defined(HALFSPACE_TEST_ONLY_3D)
+  ExpectSame<double>({&SurvivorsOfBoxes2, &SurvivorsOfBoxes2}, table.boxes2);
+  ExpectSame<double>({&SurvivorsOfBoxes4, &SurvivorsOfBoxes4}, table.boxes4);
+#endif
 }
 
 }  // namespace
