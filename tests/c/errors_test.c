@@ -404,7 +404,6 @@ static void test_bodies(void) {
   hs_broad_phase_config config;
   hs_query_options query;
   hs_update_options options;
-  hs_pair_options pair_options;
   hs_body_statistics statistics;
   hs_id_pair pair;
   static char bytes[4096];
@@ -439,7 +438,6 @@ static void test_bodies(void) {
   NO_BODY(hs_broad_phase_set_masks, (bodies, ids, masks, 2));
   NOT_NULL(hs_broad_phase_set_masks, (bodies, ids, NULL, 1), "masks");
   NO_BODY(hs_broad_phase_get, (bodies, ids, 2, NULL, NULL));
-  NOT_NULL(hs_broad_phase_probe, (bodies, &one, NULL, NULL, NULL), "function");
   one = hs_double_rows(doubles, 1, 3);
   INVALID(hs_broad_phase_probe, (bodies, &one, &query, no_ids, NULL),
           "queries->type: expected HS_FLOAT32, as these cannot be rounded "
@@ -451,9 +449,6 @@ static void test_bodies(void) {
           "options->shape: expected an enumerator of hs_shape, got 4");
   query.shape = HS_SHAPE_BOUND;
   one = hs_float_rows(boxes, 1, 4);
-  INVALID(hs_broad_phase_nearest_to_boxes,
-          (bodies, &one, 1, -1, NULL, &id, NULL),
-          "max_distance: expected a number that is not negative, got -1");
   INVALID(hs_broad_phase_spherecast, (bodies, &motions, &one, NULL, &id, NULL),
           "spheres->column[2]: expected radii that are not negative, got -1 of "
           "sphere 0");
@@ -465,19 +460,12 @@ static void test_bodies(void) {
           "motions->count: expected one for each of 2 boxes, got 1");
   NOT_NULL(hs_broad_phase_boxcast, (bodies, &one, &motions, NULL, NULL, NULL),
            "ids");
-  NOT_NULL(hs_broad_phase_raycast_each, (bodies, &one, 0, NULL, NULL, NULL),
-           "function");
   motions = hs_double_rows(doubles, 1, 3);
   INVALID(hs_broad_phase_boxcast_each,
           (bodies, &one, &motions, NULL, no_hit, NULL),
           "motions->type: expected HS_FLOAT32, as these cannot be rounded "
           "outward, got HS_FLOAT64");
   NO_BODY(hs_broad_phase_pairs_of, (bodies, ids, 2, NULL, &pair, 1, &size));
-  CHECK_OK(hs_pair_options_default(&pair_options, sizeof(pair_options)));
-  pair_options.margin = -1;
-  INVALID(
-      hs_broad_phase_pairs_of, (bodies, ids, 1, &pair_options, &pair, 1, &size),
-      "options->margin: expected a finite number that is not negative, got -1");
   NOT_NULL(hs_broad_phase_began, (bodies, NULL, &size), "pairs");
   CHECK_OK(hs_update_options_default(&options, sizeof(options)));
   options.struct_size = 3;
