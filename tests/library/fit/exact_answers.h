@@ -1,16 +1,229 @@
-// What the library may answer for any shape. This is one property of all
-// builders: tests try it on seeded shapes, and a fuzzer on its bytes.
+// What the rows of builders.h enclose, exactly, and what the library may answer
+// for any shape. This is one property of all builders: tests try it on seeded
+// shapes, and a fuzzer on its bytes.
 #ifndef HALFSPACE_TESTS_LIBRARY_FIT_EXACT_ANSWERS_H_
 #define HALFSPACE_TESTS_LIBRARY_FIT_EXACT_ANSWERS_H_
 
+#include <gmpxx.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstddef>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "halfspace/fit_status.h"
 #include "tests/library/fit/builders.h"
+#include "tests/library/support/exact.h"
 
 namespace halfspace::testing {
+
+using ExactPoint = std::vector<mpq_class>;
+
+// How many floats a bound may be looser than the tightest, for D after it gave
+// way by a slack.
+struct Looseness {
+  int coordinates = 0;
+  int d = 0;
+  double d_slack = 0.0;
+};
+inline constexpr Looseness kTightest{};
+inline constexpr Looseness kWithinOneUlp{.coordinates = 1, .d = 1};
+
+// Of spheres: one float, but for the D that all but cancel.
+inline Looseness RoundD(double radius) {
+  return {.d = 1, .d_slack = std::max(radius * 0x1p-100, 0x1p-800)};
+}
+
+// The exact planes of a bound, all minima, then all maxima. Nothing stands for
+// a plane without a bound.
+struct ExactPlanes {
+  ExactPlanes(std::size_t its_dims, std::size_t its_minima,
+              std::size_t its_maxima)
+      : dims(its_dims), minima(its_minima), values(its_minima + its_maxima) {}
+
+  bool IsMinimum(std::size_t p) const { return p < minima; }
+  // 0 is X.
+  std::size_t Axis(std::size_t p) const {
+    return IsMinimum(p) ? p : p - minima;
+  }
+
+  ::testing::AssertionResult AreTightIn(const float* bound,
+                                        Looseness loose) const {
+    for (std::size_t p = 0; p < values.size(); ++p) {
+      const int floats = Axis(p) == dims ? loose.d : loose.coordinates;
+      const double slack = Axis(p) == dims ? loose.d_slack : 0.0;
+      const float unbounded = std::numeric_limits<float>::max();
+      auto result = ::testing::AssertionSuccess();
+      if (!values[p]) {
+        if (bound[p] == (IsMinimum(p) ? -unbounded : unbounded)) continue;
+        result = ::testing::AssertionFailure() << "bounds the unbounded";
+      } else {
+        result = IsMinimum(p) ? IsBelow(bound[p], *values[p], floats, slack)
+                              : IsAbove(bound[p], *values[p], floats, slack);
+      }
+      if (!result) return result << ": plane " << p;
+    }
+    return ::testing::AssertionSuccess();
+  }
+
+  std::size_t dims;
+  std::size_t minima;
+  std::vector<std::optional<ExactValue>> values;
+};
+
+// The convex hull of what was added.
+class ExactHull {
+ public:
+  explicit ExactHull(std::size_t dims) : planes_(dims, dims + 1, dims + 1) {}
+
+  void AddPoint(const ExactPoint& point) { AddSphere(point, 0); }
+
+  void AddSphere(const ExactPoint& center, const mpq_class& radius) {
+    const std::size_t dims = planes_.dims;
+    mpq_class d = 0;
+    for (std::size_t k = 0; k < dims; ++k) {
+      Add(k, mpq_class(center[k] - radius), mpq_class(center[k] + radius));
+      d -= center[k];
+    }
+    const int root = static_cast<int>(dims);
+    Add(dims, {d, -radius, root}, {d, radius, root});
+  }
+
+  // Of points.
+  mpq_class LowestD() const { return planes_.values[planes_.dims]->rational; }
+
+  ::testing::AssertionResult IsEnclosedBy(const float* bound,
+                                          Looseness loose) const {
+    return planes_.AreTightIn(bound, loose);
+  }
+
+ private:
+  void Add(std::size_t axis, const ExactValue& low, const ExactValue& high) {
+    auto& min = planes_.values[axis];
+    auto& max = planes_.values[axis + planes_.minima];
+    if (!min || Compare(low, *min) < 0) min = low;
+    if (!max || Compare(high, *max) > 0) max = high;
+  }
+
+  ExactPlanes planes_;
+};
+
+// The numbers of a shape as exact ones.
+class ExactNumbers {
+ public:
+  ExactNumbers(const Builder& builder, const Shape& shape)
+      : dims_(builder.dims), builder_(builder), shape_(shape) {}
+
+  mpq_class operator[](std::size_t i) const {
+    return Exact(builder_.Number(shape_, i));
+  }
+  ExactPoint Point(std::size_t first) const {
+    ExactPoint point;
+    for (std::size_t k = 0; k < dims_; ++k) point.push_back((*this)[first + k]);
+    return point;
+  }
+  // start + times * the direction at `first`.
+  ExactPoint Along(ExactPoint start, const mpq_class& times,
+                   std::size_t first) const {
+    for (std::size_t k = 0; k < dims_; ++k) {
+      start[k] += times * (*this)[first + k];
+    }
+    return start;
+  }
+  // By the map of an image.
+  ExactPoint Image(const ExactPoint& point) const {
+    const std::size_t map = builder_.first_argument();
+    ExactPoint image = Point(map + dims_ * dims_);
+    for (std::size_t i = 0; i < dims_; ++i) {
+      for (std::size_t k = 0; k < dims_; ++k) {
+        image[i] += (*this)[map + i * dims_ + k] * point[k];
+      }
+    }
+    return image;
+  }
+
+ private:
+  std::size_t dims_;
+  const Builder& builder_;
+  const Shape& shape_;
+};
+
+// Of all shapes but frusta; of one of the pieces of a segment.
+inline ExactHull HullOf(const Builder& builder, const Shape& shape,
+                        std::size_t piece = 0, std::size_t pieces = kPieces) {
+  const std::size_t dims = builder.dims;
+  const std::size_t corners = std::size_t{1} << dims;
+  const ExactNumbers numbers(builder, shape);
+  ExactHull hull(dims);
+  switch (builder.kind) {
+    case Kind::kPoints:
+    case Kind::kSegment:
+    case Kind::kTriangle:
+      for (std::size_t i = 0; i < builder.roles.size(); i += dims) {
+        hull.AddPoint(numbers.Point(i));
+      }
+      break;
+    case Kind::kRay:
+      hull.AddPoint(numbers.Point(0));
+      hull.AddPoint(numbers.Along(numbers.Point(0), numbers[2 * dims], dims));
+      break;
+    case Kind::kPieces:
+      for (std::size_t end : {piece, piece + 1}) {
+        const mpq_class share = mpq_class(end) / mpq_class(pieces);
+        ExactPoint point;
+        for (std::size_t k = 0; k < dims; ++k) {
+          point.push_back(numbers[k] +
+                          share * (numbers[dims + k] - numbers[k]));
+        }
+        hull.AddPoint(point);
+      }
+      break;
+    case Kind::kBox:
+      // Two opposite corners have the extremes of D too.
+      hull.AddPoint(numbers.Point(0));
+      hull.AddPoint(numbers.Point(dims));
+      break;
+    case Kind::kOrientedBox:
+      for (std::size_t corner = 0; corner < corners; ++corner) {
+        ExactPoint point = numbers.Point(0);
+        for (std::size_t i = 0; i < dims; ++i) {
+          const mpq_class half = numbers[dims + dims * dims + i];
+          point = numbers.Along(
+              point, (corner >> i & 1) != 0 ? mpq_class(-half) : half,
+              dims + i * dims);
+        }
+        hull.AddPoint(point);
+      }
+      break;
+    case Kind::kSphere:
+      hull.AddSphere(numbers.Point(0), numbers[dims]);
+      break;
+    case Kind::kCapsule:
+      hull.AddSphere(numbers.Point(0), numbers[2 * dims]);
+      hull.AddSphere(numbers.Point(dims), numbers[2 * dims]);
+      break;
+    case Kind::kImageOfPoints:
+      for (std::size_t i = 0; i < kPointsOfSet; ++i) {
+        hull.AddPoint(numbers.Image(numbers.Point(i * dims)));
+      }
+      break;
+    case Kind::kImageOfBox:
+      for (std::size_t corner = 0; corner < corners; ++corner) {
+        ExactPoint point = numbers.Point(0);
+        for (std::size_t k = 0; k < dims; ++k) {
+          if ((corner >> k & 1) != 0) point[k] = numbers[dims + k];
+        }
+        hull.AddPoint(numbers.Image(point));
+      }
+      break;
+    case Kind::kFrustum:
+    case Kind::kChange:
+      break;
+  }
+  return hull;
+}
 
 struct Outcome {
   bool is_refused = false;

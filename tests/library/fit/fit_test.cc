@@ -1,6 +1,6 @@
 // Every builder, and every change of a bound: random and special numbers
-// against exact arithmetic, in every floating-point mode; and hard cases by
-// hand.
+// against exact arithmetic, in every floating-point mode; hard cases by hand;
+// and errors.
 #include "halfspace/fit.h"
 
 #include <gtest/gtest.h>
@@ -12,12 +12,19 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include "dispatch/exact/exact_terms.h"
+#include "dispatch/exact/outward.h"
 #include "tests/library/fit/builders.h"
 #include "tests/library/fit/exact_answers.h"
-#include "tests/library/fit/exact_shapes.h"
 #include "tests/library/fit/random_shapes.h"
+#include "tests/library/support/environment.h"
+#include "tests/library/support/exact.h"
+#include "tests/library/support/expect_invalid.h"
 #include "tests/library/support/fp_modes.h"
 #include "tests/library/support/special_values.h"
 
@@ -199,25 +206,25 @@ TEST(FitLimitTest, NoPoints) {
   EXPECT_EQ(CountsOf(status), (Counts{6, 0, 0}));
 }
 
-// Frusta that are hard for BoundFrustum(), by hand. FitExactTest compares
-// random ones with their exact corners.
+// By hand, what random frusta do not reach. FitExactTest compares those with
+// their exact corners.
 
 // |p y + z| <= 1 and |y + s z| <= 1, where p s - 1 = -2^-46: a needle, from
 // y = -(s + 1) 2^46 to +(s + 1) 2^46 and z = -(p + 1) 2^46 to +(p + 1) 2^46.
 // Its determinants are u times -2^-46, the difference of products that take
 // more bits than a double has. 0 <= x <= 1, so that D goes from -2^24 - 1 to
 // 2^24, of which the first is no float.
-TEST(FitFrustumHardTest, NeedleFromProductsThatDoubleCannotHold) {
+TEST(FitFrustumTest, NeedleFromProductsThatDoubleCannotHold) {
   constexpr float p = 0x1.000002p0f;
   constexpr float s = 0x1.fffffcp-1f;
   for (std::uint32_t mantissa = 1; mantissa < 0x800000; mantissa += 65'538) {
     const auto u = std::bit_cast<float>(0x3f800000 | mantissa);
-    const SixPlanes needle = {{{{u, 0, 0}, 0},
-                               {{-u, 0, 0}, u},
-                               {{0, p, 1}, 1},
-                               {{0, -p, -1}, 1},
-                               {{0, 1, s}, 1},
-                               {{0, -1, -s}, 1}}};
+    const std::array<HalfSpace3, 6> needle = {{{{u, 0, 0}, 0},
+                                               {{-u, 0, 0}, u},
+                                               {{0, p, 1}, 1},
+                                               {{0, -p, -1}, 1},
+                                               {{0, 1, s}, 1},
+                                               {{0, -1, -s}, 1}}};
     const Aabo3 bound = BoundFrustum(needle);
     EXPECT_EQ(bound.min, (std::array{0.f, -0x1.fffffep46f, -0x1.000002p47f,
                                      -0x1.000002p24f}))
@@ -231,13 +238,14 @@ TEST(FitFrustumHardTest, NeedleFromProductsThatDoubleCannotHold) {
 // The planes x - 2^-24 y = 65/64 and 2^-24 x + y = 2^-24 meet at
 // x = 65/64 - 2^-6 / (2^48 + 1), which double rounds to 65/64. They are ordered
 // so that all determinants of that edge have one sign, then the other.
-TEST(FitFrustumHardTest, CornersThatDoubleRoundsToAFloat) {
+TEST(FitFrustumTest, CornersThatDoubleRoundsToAFloat) {
   constexpr HalfSpace3 left = {{1, -0x1p-24f, 0}, -65.f / 64};
   constexpr HalfSpace3 below = {{0x1p-24f, 1, 0}, -0x1p-24f};
   constexpr HalfSpace3 near = {{0, 0, 1}, 0};
   constexpr HalfSpace3 far = {{0, 0, -1}, 1};
   constexpr HalfSpace3 right = {{-1, 0x1p-24f, 0}, 3};
   constexpr HalfSpace3 above = {{-0x1p-24f, -1, 0}, 1};
+  using SixPlanes = std::array<HalfSpace3, 6>;
   for (const SixPlanes& planes :
        {SixPlanes{left, far, below, near, right, above},
         SixPlanes{below, far, left, near, right, above}}) {
@@ -245,24 +253,7 @@ TEST(FitFrustumHardTest, CornersThatDoubleRoundsToAFloat) {
   }
 }
 
-// 0 <= z <= 1, -1 <= y <= 2 and 1 <= x <= 1 - 2^-60 y, which is 1 to a double:
-// what is above y = 0 is in front of all but one plane, and not of that.
-TEST(FitFrustumHardTest, CornersBehindAPlaneByLessThanDoubleCanTell) {
-  SixPlanes planes = {{{{1, 0, 0}, -1},
-                       {{-1, -0x1p-60f, 0}, 1},
-                       {{0, 1, 0}, 1},
-                       {{0, -1, 0}, 2},
-                       {{0, 0, 1}, 0},
-                       {{0, 0, -1}, 1}}};
-  const Aabo3 bound = BoundFrustum(planes);
-  EXPECT_EQ(bound.min[1], -1.f);
-  EXPECT_EQ(bound.max[1], 0.f);
-  // Above y = 0x1p-149 there is nothing.
-  planes[2].offset = -0x1p-149f;
-  EXPECT_EQ(BoundFrustum(planes), Aabo3::Empty());
-}
-
-TEST(FitFrustumHardTest, DoublesFarApart) {
+TEST(FitFrustumTest, DoublesFarApart) {
   std::array<HalfSpace<3, double>, 6> cube{};
   for (std::size_t i = 0; i < 6; ++i) {
     cube[i].normal[i / 2] = i % 2 == 0 ? 1 : -1;
@@ -293,6 +284,169 @@ TEST(FitKnownTest, OnePointAndStrideZero) {
   EXPECT_EQ(BoundPoint<3>(point), bound);
   EXPECT_EQ(BoundPoints(Points3{point.data(), 50, 0}), bound);
   EXPECT_EQ((BoundPoint<3, double>({1, 2, 3})), bound);
+}
+
+// What builders refuse of points, pieces and planes, and how they say it. What
+// they refuse of numbers is in exact_answers.h.
+
+class FitPointErrorsTest : public ::testing::Test {
+ protected:
+  ~FitPointErrorsTest() override { EXPECT_EQ(status_.results, 0u); }
+
+  std::array<float, 5> point_ = {1, 1, 1, 1, 1};
+  FitStatus status_;
+};
+
+TEST_F(FitPointErrorsTest, PointsThatCannotBeRead) {
+  const auto refused = [&](const auto& points, std::string_view expected,
+                           std::string_view given) {
+    EXPECT_REFUSED((BoundPoints(points, &status_)), "BoundPoints", expected,
+                   given);
+  };
+  refused(Points3{nullptr, 3}, "points.coords: expected 3 points",
+          "got a null pointer");
+  refused(Points3{Misaligned(point_.data()), 1}, "points.coords: expected",
+          "aligned to 4 bytes, got a misaligned");
+  alignas(8) std::array<float, 4> room{};
+  const auto* half = reinterpret_cast<const double*>(&room[1]);
+  refused(Points<3, double>{half, 1}, "points.coords: expected",
+          "aligned to 8 bytes");
+  const std::array<double, 3> ones = {1, 1, 1};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::string argument = "points.coords[" + std::to_string(k) + "]";
+    PointsSoa<3, double> soa{.coords = {}, .count = 1};
+    soa.coords.fill(ones.data());
+    soa.coords[k] = nullptr;
+    refused(soa, argument, "1 points, got a null");
+    soa.coords[k] = half;
+    refused(soa, argument, "aligned to 8 bytes");
+  }
+  EXPECT_REFUSED((BoundTransformed(Points3{nullptr, 2}, Affine3{}, &status_)),
+                 "BoundTransformed", "points.coords: expected 2 points",
+                 "null");
+  // Before the first point is read, or this would crash. Of count and stride,
+  // the larger is to blame.
+  constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
+  refused(Points3{point_.data(), kMost}, "points.count: expected",
+          "got " + std::to_string(kMost));
+  refused(Points3{point_.data(), 3, kMost / 4},
+          "points.stride: expected a stride with which 3",
+          "got " + std::to_string(kMost / 4));
+}
+
+TEST_F(FitPointErrorsTest, IndicesThatCannotBeRead) {
+  const std::array<std::uint32_t, 3> zeros{};
+  // Before any is read: the one point there is lies at index 0.
+  const auto check = [&](const auto& points) {
+    using Indices = std::span<const std::uint32_t>;
+    const std::uint32_t* const none = nullptr;
+    EXPECT_REFUSED((BoundPoints(points, Indices(none, 2), &status_)),
+                   "BoundPoints", "2 indices", "a null pointer");
+    EXPECT_REFUSED(
+        (BoundPoints(points, Indices(Misaligned(zeros.data()), 2), &status_)),
+        "BoundPoints", "aligned to 4", "misaligned");
+    for (std::uint32_t bad : {1u, 0xffffffffu}) {
+      const std::array<std::uint32_t, 3> indices = {0, 0, bad};
+      EXPECT_REFUSED((BoundPoints(points, indices, &status_)), "BoundPoints",
+                     "indices[2]: expected less than", "1",
+                     "got " + std::to_string(bad));
+    }
+  };
+  check(Points3{point_.data(), 1});
+  check(PointsSoa3{{point_.data(), point_.data(), point_.data()}, 1});
+  EXPECT_REFUSED((BoundPoints(Points3{nullptr, 0}, zeros)),
+                 "indices[0]: expected less than", "0, got 0");
+}
+
+// Refused before the first is written, or this would crash.
+TEST_F(FitPointErrorsTest, PiecesThatCannotBeWritten) {
+  std::array<Aabo3, 3> room;
+  const auto refused = [&](Aabo3* pieces, std::size_t count,
+                           std::string_view expected) {
+    EXPECT_REFUSED(
+        (BoundSegmentPieces(Segment3{}, std::span(pieces, count), &status_)),
+        "BoundSegmentPieces", "pieces: expected", expected);
+  };
+  refused(room.data(), (std::size_t{1} << 24) + 1,
+          "at most 2^24 pieces, got 16777217");
+  refused(nullptr, 2, "room for 2, got a null pointer");
+  refused(Misaligned(room.data()), 2, "aligned to 4 bytes, got a misaligned");
+}
+
+TEST_F(FitPointErrorsTest, PlanesThatAreNotSixOrCannotBeRead) {
+  const std::array<HalfSpace3, 7> planes{};
+  const auto refused = [&](const HalfSpace3* pointer, std::size_t count,
+                           std::string_view given) {
+    EXPECT_REFUSED((BoundFrustum(std::span(pointer, count), &status_)),
+                   "BoundFrustum: planes: expected", given);
+  };
+  refused(planes.data(), 7, "6 planes, got 7");
+  refused(planes.data(), 5, "6 planes, got 5");
+  refused(planes.data(), 0, "6 planes, got 0");
+  refused(nullptr, 6, "6 planes, got a null pointer");
+  refused(Misaligned(planes.data()), 6, "aligned to 4 bytes, got a misaligned");
+}
+
+// Exact sums of products of doubles that are next to nothing, and their
+// rounding, against GMP: random shapes have too few of them.
+
+using dispatch::ExactSum;
+using dispatch::ExactTerms;
+using dispatch::RoundDown;
+using dispatch::RoundUp;
+
+// Of products from 2^-2148 on, some of which cancel, and of numbers near
+// floats.
+TEST(ExactTermsTest, ProductsOfDoublesAreExact) {
+  Random random(6);
+  for (std::size_t i = 0; i < Scaled(100'000); ++i) {
+    ExactTerms<double, 4, 2> terms;
+    mpq_class exact = 0;
+    const auto number = [&](int least, int most) {
+      const int exponent = RandomExponent(least, most, random);
+      return std::ldexp(
+          WithMoreBits(RandomSign(random) * RandomMantissa(random), random),
+          exponent);
+    };
+    // From one line on, or around the smallest double and its half.
+    const int range = OneIn(2, random) ? 1074 : 530;
+    for (int p = 0; p < 2; ++p) {
+      double a = number(-range, p == 0 ? 40 : -500);
+      double b = number(-range, p == 0 ? 40 : -500);
+      terms.AddProduct(a, b);
+      exact += Exact(a) * Exact(b);
+      // Its opposite, by other factors, or nearly.
+      a = std::ldexp(a, a < 0x1p-500 ? 3 : -3);
+      b = std::ldexp(-b, a < 0x1p-500 ? -3 : 3);
+      if (OneIn(3, random)) b = std::nextafter(b, 1.0);
+      terms.AddProduct(a, b);
+      exact += Exact(a) * Exact(b);
+    }
+    for (int n = 0; n < 2; ++n) {
+      double x = OneIn(2, random) ? number(-1074, 40) : 1.0;
+      if (OneIn(4, random)) x = 0x1p-1074;
+      if (OneIn(4, random)) x = 0.0;
+      terms.Add(x);
+      exact += Exact(x);
+    }
+    for (const ExactSum& sum : {terms.Sum(), terms.SumToRound()}) {
+      ASSERT_TRUE(IsBelow(RoundDown(sum), exact, 0)) << i;
+      ASSERT_TRUE(IsAbove(RoundUp(sum), exact, 0)) << i;
+    }
+  }
+}
+
+// Halves of the smallest double add up to it, and what is left counts.
+TEST(ExactTermsTest, WhatIsLeftOfTinyProductsCounts) {
+  for (double left : {0x1p-1000, -0x1p-1000}) {
+    ExactTerms<double, 3, 1> terms;
+    terms.AddProduct(0x1p-537, 0x1p-538);
+    terms.AddProduct(0x1p-538, 0x1p-537);
+    terms.AddProduct(left, 0x1p-1000);
+    terms.Add(-0x1p-1074);
+    EXPECT_EQ(RoundUp(terms.Sum()), left > 0.0 ? 0x1p-149f : 0.f);
+    EXPECT_EQ(RoundDown(terms.SumToRound()), left > 0.0 ? 0.f : -0x1p-149f);
+  }
 }
 
 }  // namespace

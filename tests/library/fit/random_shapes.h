@@ -15,7 +15,6 @@
 #include <limits>
 #include <random>
 #include <span>
-#include <string>
 #include <utility>
 
 #include "halfspace/fit.h"
@@ -239,38 +238,16 @@ inline void MakeCancelling(const RandomNumbers& numbers,
   }
 }
 
-}  // namespace internal
-
 using SixPlanes = std::array<HalfSpace3, 6>;
-
-namespace internal {
 
 inline float Dot(const Point3& a, const Point3& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-inline Point3 Combined(float s, const Point3& a, float t, const Point3& b) {
-  return {s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2]};
 }
 
 inline Point3 RandomPoint3(PointKind kind, Random& random) {
   Point3 point;
   RandomFloats<float>(kind, random, point);
   return point;
-}
-
-// Small enough for products with any coordinate.
-inline Point3 RandomNormal(PointKind kind, Random& random) {
-  Point3 normal = RandomPoint3(kind, random);
-  if (kind == PointKind::kWideExponents) {
-    for (float& x : normal) x *= 0x1p-122f;
-  }
-  return normal;
-}
-
-// The plane through a point, or nearly: it is what its floats say.
-inline HalfSpace3 PlaneThrough(const Point3& point, const Point3& normal) {
-  return {normal, -Dot(normal, point)};
 }
 
 inline SixPlanes RandomBox(PointKind kind, Random& random) {
@@ -287,33 +264,19 @@ inline SixPlanes RandomBox(PointKind kind, Random& random) {
   return planes;
 }
 
-// Four planes through an eye, and two across the view.
-inline SixPlanes RandomView(PointKind kind, Random& random) {
-  const auto eye = RandomPoint3(
-      kind == PointKind::kWideExponents ? PointKind::kUniform : kind, random);
-  const auto right = RandomPoint3(PointKind::kUniform, random);
-  const auto up = RandomPoint3(PointKind::kUniform, random);
-  const auto forward = RandomPoint3(PointKind::kUniform, random);
-  const float wide = RandomMantissa(random);
-  const float high = RandomMantissa(random);
-  const float near = RandomMantissa(random);
-  const Point3 to = Combined(1.f, eye, near, forward);
-  const Point3 end = Combined(1.f, eye, 2.f + near, forward);
-  return {PlaneThrough(eye, Combined(wide, forward, 1.f, right)),
-          PlaneThrough(eye, Combined(wide, forward, -1.f, right)),
-          PlaneThrough(eye, Combined(high, forward, 1.f, up)),
-          PlaneThrough(eye, Combined(high, forward, -1.f, up)),
-          PlaneThrough(to, forward),
-          PlaneThrough(end, Combined(-1.f, forward, 0.f, up))};
-}
-
 // About half of these are open; some are empty.
 inline SixPlanes RandomHalfSpaces(PointKind kind, Random& random) {
   const auto inside = RandomPoint3(kind, random);
   const bool around = !OneIn(4, random);
   SixPlanes planes;
   for (HalfSpace3& plane : planes) {
-    plane = PlaneThrough(inside, RandomNormal(kind, random));
+    plane.normal = RandomPoint3(kind, random);
+    // Small enough for products with any coordinate.
+    for (float& x : plane.normal) {
+      if (kind == PointKind::kWideExponents) x *= 0x1p-122f;
+    }
+    // Through the point, or nearly: the plane is what its floats say.
+    plane.offset = -Dot(plane.normal, inside);
     plane.offset += around ? std::fabs(plane.offset) : plane.offset;
   }
   return planes;
@@ -358,13 +321,10 @@ inline SixPlanes RandomCorner(PointKind kind, Random& random) {
   return planes;
 }
 
-}  // namespace internal
-
 // Neither the order of the planes nor the lengths of the normals matter.
 inline SixPlanes RandomFrustum(PointKind kind, Random& random) {
   constexpr SixPlanes (*kMakers[])(PointKind, Random&) = {
-      &internal::RandomBox, &internal::RandomView, &internal::RandomHalfSpaces,
-      &internal::RandomSheet, &internal::RandomCorner};
+      &RandomBox, &RandomHalfSpaces, &RandomSheet, &RandomCorner};
   SixPlanes planes = kMakers[random() % std::size(kMakers)](kind, random);
   for (HalfSpace3& plane : planes) {
     const int exponent = RandomExponent(-20, 4, random);
@@ -390,6 +350,8 @@ inline Shape ShapeOf(const SixPlanes& planes, bool is_double, Random& random) {
   }
   return shape;
 }
+
+}  // namespace internal
 
 // Some numbers become anything at all, or a neighbour of another one. A box or
 // a bound may become Everything(), Empty(), or what engines initialise boxes
@@ -449,7 +411,8 @@ inline Shape RandomShape(const Builder& builder, PointKind kind,
   const std::size_t count = builder.roles.size();
   const std::size_t first = builder.first_argument();
   if (builder.kind == Kind::kFrustum) {
-    return ShapeOf(RandomFrustum(kind, random), builder.is_double, random);
+    return internal::ShapeOf(internal::RandomFrustum(kind, random),
+                             builder.is_double, random);
   }
   const RandomNumbers numbers(kind, builder.is_double, random);
   const RandomNumbers map_numbers(kind, builder.is_map_double, random);

@@ -9,12 +9,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <utility>
 #include <vector>
 
-#include "tests/library/fit/exact_shapes.h"
+#include "tests/library/fit/exact_answers.h"
 #include "tests/library/fit/random_shapes.h"
 #include "tests/library/fit_many/bulk.h"
 #include "tests/library/support/environment.h"
