@@ -306,37 +306,32 @@ void ExpectAreNearest(const std::vector<Near>& expected, const Ids& ids,
   }
 }
 
-// The rows of several places, of which the first and the last are the same.
-void ExpectNearestEach(const Searches& world, const Objects& objects,
-                       const Place& place, float max_distance,
-                       const SearchOptions& options) {
+// The rows of several places, of which the first and the last are the same, are
+// what the call for one place finds.
+void ExpectNearestEach(const Searches& world, const Place& place,
+                       float max_distance, const SearchOptions& options) {
   Place other = place;
   for (float& x : other.min) x -= 1;
   const Place places[] = {place, other, place};
-  const auto of_place =
-      NearestOf(world.layout, objects, place, max_distance, options);
-  const auto of_other =
-      NearestOf(world.layout, objects, other, max_distance, options);
   for (std::size_t k : {0u, 1u, 9u, 2100u}) {
-    Ids ids(3 * k, 99);
-    std::vector<float> distances(ids.size());
-    world.NearestEach(places, k, ids, distances, max_distance, options);
-    Ids alone(ids.size());
-    world.NearestEach(places, k, alone, {}, max_distance, options);
-    ASSERT_EQ(alone, ids);
+    Ids expected(3 * k);
+    std::vector<float> nearest(3 * k);
     for (std::size_t q = 0; q < 3; ++q) {
-      const auto& its = q == 1 ? of_other : of_place;
-      const std::size_t count = std::min(k, its.size());
-      for (std::size_t i = q * k + count; i < (q + 1) * k; ++i) {
-        ASSERT_EQ(ids[i], kNoId);
-        ASSERT_EQ(distances[i], kInf);
-      }
-      const auto row = static_cast<std::ptrdiff_t>(q * k);
-      const auto end = row + static_cast<std::ptrdiff_t>(count);
-      ExpectAreNearest(its, Ids(ids.begin() + row, ids.begin() + end),
-                       {distances.begin() + row, distances.begin() + end});
+      const auto its_ids = std::span(expected).subspan(q * k, k);
+      const auto its_distances = std::span(nearest).subspan(q * k, k);
+      const std::size_t count = world.Nearest(places[q], its_ids, its_distances,
+                                              max_distance, options);
+      std::ranges::fill(its_ids.subspan(count), kNoId);
+      std::ranges::fill(its_distances.subspan(count), kInf);
     }
-    if (k > of_place.size()) break;
+    Ids ids(3 * k, 99);
+    std::vector<float> distances(3 * k);
+    world.NearestEach(places, k, ids, distances, max_distance, options);
+    ASSERT_EQ(ids, expected);
+    ASSERT_EQ(distances, nearest);
+    world.NearestEach(places, k, ids, {}, max_distance, options);
+    ASSERT_EQ(ids, expected);
+    if (k > world.size()) break;
   }
 }
 
@@ -401,7 +396,7 @@ void ExpectNearest(const Searches& world, const Objects& objects,
       ExpectAreNearest(expected, ids, distances);
       if (room > expected.size()) break;
     }
-    ExpectNearestEach(world, objects, place, max_distance, options);
+    ExpectNearestEach(world, place, max_distance, options);
     const auto* const bvh = dynamic_cast<const AnyBvh*>(&world);
     if (bvh != nullptr && place.is_point) {
       ExpectForEachNearest(*bvh, objects, place, max_distance, options,
