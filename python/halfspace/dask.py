@@ -872,11 +872,12 @@ class _Tasks(_Steps, dict):
 
     def frames_of_chunks(self, source: _Source, lengths: list, frame_of, found, *arguments):
         """Adds tasks that make a frame of what was found of each chunk, with numbers of
-        rows in the whole collection. `lengths` are tasks that return numbers of rows."""
+        rows in the whole collection. `lengths` are tasks that return numbers of rows, to
+        be added if these are not known."""
         if source.sizes is not None:
             offsets = _offsets(source.sizes)
         else:
-            its = self.add(_offsets, lengths)
+            its = self.add(_offsets, [self.add(*length) for length in lengths])
             offsets = [(operator.getitem, its, chunk) for chunk in range(len(lengths))]
         return [self.add(frame_of, its_found, offset, *arguments)
                 for its_found, offset in zip(found, offsets)]
@@ -1057,7 +1058,8 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
         sent = tasks.each_chunk(source, _distribute, plan)
         for p, pieces in enumerate(zip(*tasks.send(sent, count))):
             tasks[tasks.name, p] = (_build, list(pieces), bool(mapped))
-        tasks[tasks.name, count] = (_Top.of, [(_about, (tasks.name, p)) for p in range(count)])
+        tasks[tasks.name, count] = (
+            _Top.of, [tasks.add(_about, (tasks.name, p)) for p in range(count)])
         super().__init__(tasks.name, tasks, source.collections + samples.collections)
 
     __dask_scheduler__ = staticmethod(dask.threaded.get)
@@ -1310,7 +1312,7 @@ def scan(boxes, queries, *, quantized: bool = False):
     its_queries = f"{tasks.name}-queries"
     tasks[its_queries] = queries
     found = tasks.each_chunk(source, _scan, its_queries, quantized)
-    lengths = [(operator.itemgetter(2), key) for key in found]
+    lengths = [(_scanned_rows, key) for key in found]
     frames = tasks.frames_of_chunks(source, lengths, _frame_of_scan, found)
     return tasks.frame(source.collections, frames, {"row": np.int64, "id": np.int64})
 
@@ -1337,6 +1339,10 @@ def _scan(boxes, first: int, where: str, queries, quantized: bool):
     rows, ids = _in_chunk(
         where, lambda: hs.Scan(boxes, quantized=quantized).query(queries))
     return rows, ids + first, len(boxes)
+
+
+def _scanned_rows(found: tuple) -> int:
+    return found[2]
 
 
 def _frame_of_scan(found: tuple, offset: int):

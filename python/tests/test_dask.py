@@ -361,6 +361,23 @@ def test_geometries(form):
         np.testing.assert_array_equal(found, expected)
 
 
+def test_a_task_needs_one_partition_or_one_chunk(no_client):
+    """Others would gather all of them in one worker."""
+    boxes = uniform(np.random.default_rng(17), 5000)
+    chunks = SOURCES["unknown chunk sizes"](boxes, None)
+    tree = hd.BVH(chunks, partitions=4)
+    large = {(tree._name, p) for p in range(4)}
+    for found in (tree, tree.query(chunks), tree.nearest(chunks), tree.pairs(),
+                  hd.join(tree, tree), hd.scan(chunks, boxes[:9])):
+        graph = dict(found.__dask_graph__())
+        ofs = ("-_distribute", "-_route", "-_route_border", "-_send_home", "-_send_on", "-_scan")
+        large |= {key for key in graph if key[0].endswith(ofs)}
+        for key in graph:
+            needs = dask.core.get_dependencies(graph, key) & large
+            assert len({need for need in needs if need[0] == tree._name}) <= 1
+            assert len(needs) <= 2
+
+
 def test_large_joins_have_few_tasks(no_client):
     """A scheduler without work: every result is an empty frame."""
     many = 1000
