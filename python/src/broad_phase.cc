@@ -104,7 +104,7 @@ const hs_body_masks* MasksIn(const Masks& masks, std::size_t count) {
 
 // Bounds for the bodies `ids`.
 Columns BoundsOf(const ShortIds& ids, const py::tuple& arrays) {
-  const Columns bounds(arrays);
+  Columns bounds(arrays);
   if (Size(bounds.count) != ids.size()) ThrowNotPrepared();
   return bounds;
 }

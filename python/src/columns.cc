@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <new>
 #include <numeric>
@@ -69,7 +70,7 @@ std::vector<std::uint32_t> OrderByPlace(const Columns& records,
     std::array<Scalar, kSample> sample;
     for (std::size_t i = 0; i < kSample; ++i) {
       const Scalar value = values[i * records.count / kSample * records.stride];
-      sample[i] = value == value ? value : 0;
+      sample[i] = std::isnan(value) ? 0 : value;
     }
     std::sort(sample.begin(), sample.end());
     std::array<Scalar, kMostCells> limits;  // the greatest value of each cell
