@@ -8,7 +8,9 @@ if (!hasChromium) {
   process.exit(0);
 }
 // Once, with a hundredth of the queries: times do not matter here.
-const page = readFileSync(process.argv[2], 'utf8').replace("'6000'", "'60', '--repetitions', '1'");
+const given = readFileSync(process.argv[2], 'utf8');
+const page = given.replace("'6000'", "'60', '--repetitions', '1'");
+assert.notEqual(page, given);
 const reported = (html) => postedBy(`${html}<script>
   new MutationObserver(() => fetch('/posted', { method: 'POST', body: report.innerHTML }))
     .observe(document.getElementById('report'), { childList: true });

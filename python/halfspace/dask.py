@@ -321,14 +321,14 @@ def _split_sample(boxes, stands_for, partitions: int, by_pairs: bool):
 def _estimate_pairs(boxes, stands_for: float) -> np.ndarray:
     """How many objects overlap each box of a sample, if each stands for so many.
 
-    What overlaps few boxes of the sample does so by chance. So where a box overlaps fewer
-    than 16, all are enlarged first: half as many boxes of twice the volume have as many
-    pairs each."""
+    A small count is mostly chance. So where a box overlaps fewer than 16 of the sample, all
+    are enlarged first: half as many boxes of twice the volume have as many pairs each. Boxes
+    without a volume grow too little, so their pairs are underestimated."""
     low, high = np.split(boxes.astype(np.float64), 2, axis=1)
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore", over="ignore"):
         more = (high - low) / 2 * (stands_for ** (1 / low.shape[1]) - 1)
-    more[~np.isfinite(more)] = 0
-    enlarged = np.hstack([low - more, high + more])
+        more[~np.isfinite(more)] = 0
+        enlarged = np.hstack([low - more, high + more])
     found, near = (hs.BVH(some).count(some) - 1 for some in (boxes, enlarged))
     return np.where(found < 16, near, found * stands_for)
 
@@ -609,8 +609,8 @@ def _frame_of_join(partition: _Partition, pieces: list):
 def _pairs_in(partition: _Partition, piece, begin: int, end: int):
     boxes, rows = piece
     pairs = partition.tree.query(boxes[begin:end])
-    # In place, as a worker gets the memory of each array from the system. `mode` keeps
-    # NumPy from a copy.
+    # In place, because each new array costs a worker page faults: the output is also the
+    # indices, each of which is read before it is written. With this mode NumPy makes no copy.
     for numbers, row in ((rows[begin:end], pairs[0]), (partition.rows, pairs[1])):
         numbers.take(row, out=row, mode="clip")
     return pairs
@@ -618,11 +618,12 @@ def _pairs_in(partition: _Partition, piece, begin: int, end: int):
 
 def _own_pairs_in(partition: _Partition, piece, begin: int, end: int):
     pairs = _pairs_in(partition, piece, begin, end)
-    return pairs[:, pairs[0] < pairs[1]]
+    return pairs.compress(pairs[0] < pairs[1], axis=1)
 
 
 def _border_pairs_in(partition: _Partition, piece, begin: int, end: int):
-    return np.sort(_pairs_in(partition, piece, begin, end), axis=0)
+    pairs = _pairs_in(partition, piece, begin, end)
+    return np.stack([pairs.min(axis=0), pairs.max(axis=0)])
 
 
 def _join_in(partition: _Partition, piece, begin: int, end: int):
@@ -671,6 +672,7 @@ def _write_pairs(pairs_in, partition: _Partition, piece, prefix: str, most: int,
     paths: list = []
     for pairs, begin, _ in _batches(pairs_in, partition, piece, most, ranges):
         path = f"{prefix}-{begin:09}.npy"
+        pairs = np.ascontiguousarray(pairs)  # which NumPy writes in one piece
         _files.replace(path, lambda file: np.save(file, pairs), is_synced=False)
         paths.append(path)
     return paths, []

@@ -92,7 +92,7 @@ std::vector<std::uint32_t> OrderByPlace(const Columns& records,
   }
   std::vector<std::uint32_t> ends((std::size_t{1} << dims * bits) + 1);
   for (const std::uint16_t key : keys) ++ends[key + 1];
-  // As of rays from one camera.
+  // Rays from one camera start at one place: no order helps.
   const bool are_near =
       *std::max_element(ends.begin(), ends.end()) > records.count / 2;
   if (are_near) return {};
@@ -106,8 +106,8 @@ std::vector<std::uint32_t> OrderByPlace(const Columns& records,
 
 template <typename Scalar>
 hs_columns CopyOf(const Columns& records, std::size_t first, std::size_t count,
-                  std::vector<double>& copy) {
-  copy.resize(records.size * count);
+                  std::vector<std::byte>& copy) {
+  copy.resize(records.size * count * sizeof(Scalar));
   auto* const to = reinterpret_cast<Scalar*>(copy.data());
   hs_columns result{};
   result.type = records.type;
@@ -184,7 +184,7 @@ void Columns::SortByPlace(std::size_t dims) {
 }
 
 hs_columns Columns::Part(std::size_t first, std::size_t most,
-                         std::vector<double>& copy) const {
+                         std::vector<std::byte>& copy) const {
   if (order.empty()) return Rows(first, most);
   const std::size_t some = std::min(most, count - first);
   return type == HS_FLOAT64 ? CopyOf<double>(*this, first, some, copy)

@@ -53,13 +53,14 @@ struct Columns : hs_columns {
   hs_columns Rows(std::size_t first, std::size_t most) const;
 
   // Fills `order`, by the first `dims` columns: records that are near each
-  // other become neighbors, unless most are near each other. Queries in this
-  // order find in the cache what the ones before them read.
+  // other become neighbors. Queries in this order find in the cache what the
+  // ones before them read. If more than half of them share a cell, `order`
+  // stays empty.
   void SortByPlace(std::size_t dims);
 
-  // Rows() in that order. `copy` then has them.
+  // Rows() in that order. If there is one, `copy` stores the records.
   hs_columns Part(std::size_t first, std::size_t most,
-                  std::vector<double>& copy) const;
+                  std::vector<std::byte>& copy) const;
   // The record that is at place i of the order.
   std::size_t RowAt(std::size_t i) const {
     return order.empty() ? i : order[i];

@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <numeric>
 #include <span>
 #include <vector>
 
@@ -65,7 +64,7 @@ void ForEachPart(const Columns& queries, std::size_t in_part, Work& work,
   work.Run(PartsOf(queries.count, in_part),
            [&](std::size_t part, std::size_t thread) {
              const std::size_t first = part * in_part;
-             std::vector<double> copy;
+             std::vector<std::byte> copy;
              run(queries.Part(first, in_part, copy), first, thread);
            });
 }
@@ -78,27 +77,31 @@ Ids Gather(const std::vector<std::vector<Item>>& lists,
            const std::vector<std::size_t>& ends, const Columns& queries,
            std::size_t in_part, Work& work, const Prepare& prepare,
            const Write& write) {
-  // By row. Results are read in no order and written in order, as they take
-  // less memory before than after.
+  // By row. Reads the results in random order and writes them in sequence: an
+  // item is smaller than what is written for it.
   struct Row {
     const Item* items;
     std::size_t end;
   };
-  std::vector<Row> found(queries.count);
-  for (std::size_t i = 0; i < queries.count; ++i) {
-    const std::size_t begin = i % in_part == 0 ? 0 : ends[i - 1];
-    found[queries.RowAt(i)] = {lists[i / in_part].data() + begin,
-                               ends[i] - begin};
-  }
+  std::vector<Row> found;
   std::size_t total = 0;
-  for (Row& row : found) row.end = total += row.end;
+  {
+    const pybind11::gil_scoped_release release;
+    found.resize(queries.count);
+    for (std::size_t i = 0; i < queries.count; ++i) {
+      const std::size_t begin = i % in_part == 0 ? 0 : ends[i - 1];
+      found[queries.RowAt(i)] = {lists[i / in_part].data() + begin,
+                                 ends[i] - begin};
+    }
+    for (Row& row : found) row.end = total += row.end;
+  }
   Ids ids(std::vector<std::size_t>{2, total});
   prepare(total);
   std::int64_t* const rows = ids.mutable_data();
   std::int64_t* const objects = rows + total;
   const pybind11::gil_scoped_release release;
   work.SetLastStage();
-  constexpr std::size_t kInPart = 65536;
+  constexpr std::size_t kInPart = 1024;
   work.Run(PartsOf(found.size(), kInPart), [&](std::size_t part, std::size_t) {
     std::size_t row = part * kInPart;
     const std::size_t end = std::min(found.size(), row + kInPart);

@@ -2,6 +2,7 @@
 #include <pybind11/numpy.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -558,7 +559,7 @@ std::span<const double> RowsOfDoubles(const Columns& boxes,
   return copy;
 }
 
-// Writes the row of each result, where those of row i end at ends[i].
+// Writes the row of each result. The results of row i end at ends[i].
 void FillRows(const std::vector<std::size_t>& ends, std::int64_t* rows,
               Work& work) {
   constexpr std::size_t kInPart = 65536;
