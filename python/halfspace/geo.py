@@ -6,13 +6,13 @@
     rows, ids = tree.query(lines, predicate="intersects")
     cities = sjoin(cities, countries, predicate="within")    # GeoDataFrames
 
-Works with shapely 1.8 and 2. Shapely 1.8 returns boxes and makes exact tests one by one,
-and takes longer for the box of a geometry than for a search. So with it a query takes
-longer than shapely's own. Shapely 2 does both in one call.
+Works with shapely 1.8 and 2. Shapely 1.8 makes exact tests one by one, and shapely 2
+makes them in one call.
 """
 
+import ctypes
 import warnings
-from typing import Any, Iterable, Optional, Tuple, Union
+from typing import Any, Callable, Iterable, Optional, Tuple, Union
 
 import numpy as np
 import shapely  # type: ignore
@@ -417,10 +417,42 @@ def _bounds_of(geometries: np.ndarray) -> np.ndarray:
     if _IS_VECTORISED:
         return shapely.bounds(geometries).reshape(-1, 4)
     bounds = np.full((len(geometries), 4), np.nan)
-    for i, geometry in enumerate(geometries):
-        if geometry is not None and not geometry.is_empty:
-            bounds[i] = geometry.bounds
+    write, at = _writer_of_bounds(), bounds.ctypes.data
+    for geometry in geometries:
+        if geometry is not None and geometry._geom:
+            write(geometry._geom, at)
+        at += 32
     return bounds
+
+
+def _writer_of_bounds() -> Callable[[int, int], Any]:
+    """Returns what writes the box of a geometry of GEOS to an address, if it is not empty.
+
+    For shapely 1.8, whose `geometry.bounds` takes 5 to 17 microseconds. GEOS takes half of
+    one, and one before 3.11.
+    """
+    from shapely.geos import lgeos  # type: ignore
+
+    handle = lgeos.geos_handle
+    library = ctypes.PyDLL(None, handle=lgeos._lgeos._handle)
+
+    def call(name: str, outputs: int) -> Any:
+        function = library[name]
+        function.argtypes = [ctypes.c_void_p] * (2 + outputs)
+        return function
+
+    if hasattr(library, "GEOSGeom_getExtent_r"):
+        extent = call("GEOSGeom_getExtent_r", 4)
+        return lambda geometry, at: extent(handle, geometry, at, at + 8, at + 16, at + 24)
+    x, y, x_max, y_max = (
+        call(f"GEOSGeom_get{side}_r", 1) for side in ("XMin", "YMin", "XMax", "YMax")
+    )
+    return lambda geometry, at: (
+        x(handle, geometry, at),
+        y(handle, geometry, at + 8),
+        x_max(handle, geometry, at + 16),
+        y_max(handle, geometry, at + 24),
+    )
 
 
 def _grown(boxes: np.ndarray, margins: np.ndarray) -> np.ndarray:

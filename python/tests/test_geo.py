@@ -1,5 +1,6 @@
 """The calls of halfspace.geo against every pair of geometries by shapely."""
 
+import ctypes
 import pickle
 
 import numpy as np
@@ -134,6 +135,21 @@ def test_a_geometry_without_a_box_is_left_out():
     bad = [Point(0, np.nan), Point(np.nan, 0)]
     assert len(geo.STRtree([*bad, Point(1, 1)])) == 1
     assert TREE.query(bad).shape == TREE.query_nearest(bad).shape == (2, 0)
+
+
+class OldGeos(ctypes.PyDLL):
+    def __getattr__(self, name):
+        if name == "GEOSGeom_getExtent_r":
+            raise AttributeError(name)
+        return super().__getattr__(name)
+
+
+@pytest.mark.skipif(geo._IS_VECTORISED, reason="shapely 2 returns boxes")
+@pytest.mark.parametrize("library", [ctypes.PyDLL, OldGeos])
+def test_boxes_come_from_geos(library, monkeypatch):
+    monkeypatch.setattr(geo.ctypes, "PyDLL", library)
+    expected = [g.bounds if is_there(g) else [np.nan] * 4 for g in GEOMETRIES]
+    np.testing.assert_array_equal(geo._bounds_of(TREE.geometries), expected)
 
 
 # All are nearer than the one that is not equal.
