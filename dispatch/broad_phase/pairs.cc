@@ -54,8 +54,9 @@ void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
   state.Flush();
   const bool is_of_some =
       IsSmallSet(state.records.Count(Records::kForPairs), state.tree.size());
+  CallMemory of_call(state.options.memory);
   const BlockVector<std::uint32_t> changed =
-      is_of_some ? state.IdsOf(Records::kForPairs)
+      is_of_some ? state.IdsOf(Records::kForPairs, of_call.resource())
                  : BlockVector<std::uint32_t>();
   const Span<const std::uint32_t> set(changed.data(), changed.size());
   KeptPairs kept(state);

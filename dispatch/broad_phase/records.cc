@@ -238,7 +238,10 @@ void Records::Clear(ChangedSet set) {
   if (counts_[set] == 0) return;
   counts_[set] = 0;
   ForEachGroup([set](std::size_t, Group& group) {
-    std::fill_n(group.changed[set], 64, 0);
+    std::uint64_t& some = group.some_changed[set];
+    for (; some != 0; some &= some - 1) {
+      group.changed[set][LowestBit(some)] = 0;
+    }
   });
 }
 

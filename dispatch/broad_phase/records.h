@@ -190,7 +190,9 @@ class Records {
   template <typename Visit>
   void ForEachOf(ChangedSet set, const Visit& visit) const {
     ForEachGroup([&](std::size_t g, const Group& group) {
-      for (std::size_t w = 0; w < 64; ++w) {
+      for (std::uint64_t some = group.some_changed[set]; some != 0;
+           some &= some - 1) {
+        const std::size_t w = LowestBit(some);
         for (std::uint64_t bits = group.changed[set][w]; bits != 0;
              bits &= bits - 1) {
           visit(IdOf(g, w, LowestBit(bits)));
@@ -216,7 +218,8 @@ class Records {
     std::atomic<std::uint64_t> marks[64];  // a bit for each body
     std::uint64_t some_taken;
     std::uint64_t taken[64];         // of these
-    std::uint64_t changed[2][64];    // by ChangedSet
+    std::uint64_t some_changed[2];   // by ChangedSet
+    std::uint64_t changed[2][64];    // of these
     std::atomic<Word*> records[64];  // of 64 ids each, or null
 
     std::uint64_t MarksOf(std::size_t w) const {
@@ -316,6 +319,7 @@ class Records {
   void Add(ChangedSet set, Group& group, std::size_t w, std::uint64_t bits) {
     counts_[set] += PopCount(bits & ~group.changed[set][w]);
     group.changed[set][w] |= bits;
+    group.some_changed[set] |= std::uint64_t{1} << w;
   }
   void Grow(std::size_t groups);
 

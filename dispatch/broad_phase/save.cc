@@ -93,8 +93,9 @@ void BroadPhaseCore::Save(SaveFunction function, void* context) const {
   BroadPhaseState& state = *state_;
   const Changing changing("BroadPhase::Save", state);
   state.Flush();
-  const auto changed = state.IdsOf(Records::kForPairs);
-  const auto changed_for_order = state.IdsOf(Records::kForOrder);
+  const auto changed = state.IdsOf(Records::kForPairs, state.options.memory);
+  const auto changed_for_order =
+      state.IdsOf(Records::kForOrder, state.options.memory);
   const Span<const std::byte> tree = state.tree.Blob();
   const Span<const IdPair> pairs = state.events.pairs();
   const Span<const std::byte> parts[] = {

@@ -40,8 +40,8 @@ void BroadPhaseState::CheckBodies(const char* call,
 }
 
 BlockVector<std::uint32_t> BroadPhaseState::IdsOf(
-    Records::ChangedSet set) const {
-  BlockVector<std::uint32_t> ids(BlockAllocator<std::uint32_t>(options.memory));
+    Records::ChangedSet set, const MemoryResource& memory) const {
+  BlockVector<std::uint32_t> ids{BlockAllocator<std::uint32_t>(memory)};
   ids.reserve(records.Count(set));
   records.ForEachOf(set, [&](std::uint32_t id) { ids.push_back(id); });
   return ids;

@@ -47,7 +47,8 @@ class BroadPhaseState {
   void CheckBodies(const char* call, Span<const std::uint32_t> ids) const;
 
   // With exclusive access.
-  BlockVector<std::uint32_t> IdsOf(Records::ChangedSet set) const;
+  BlockVector<std::uint32_t> IdsOf(Records::ChangedSet set,
+                                   const MemoryResource& memory) const;
 
   // The tree must not change at the same time.
   BodyMasks MasksOf(std::uint32_t id) const {

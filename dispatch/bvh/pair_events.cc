@@ -74,6 +74,7 @@ class ListSink : public Results<IdPair> {
       : Results<IdPair>{}, list_(list), filter_(filter), mode_(mode) {
     flush = [](Results<IdPair>& results) {
       static_cast<ListSink&>(results).Flush();
+      static_cast<ListSink&>(results).Use();
       return true;
     };
     Use();
@@ -93,7 +94,6 @@ class ListSink : public Results<IdPair> {
     list_.SetSize(list_.size() + kept);
     flushed += count;
     begin = next = nullptr;
-    Use();
   }
 
  private:
@@ -290,17 +290,9 @@ class Difference {
     Sort(ended_);
     Sort(began_);
     MatchSorted();
-    Fit(ended_);
-    Fit(began_);
   }
 
  private:
-  // Frees memory that is not needed.
-  static void Fit(PairList& pairs) {
-    PairList fit(pairs, pairs.memory());
-    swap(pairs, fit);
-  }
-
   static constexpr std::size_t kWindow = 64;
   static constexpr int kWindowBits = 9;  // of the table's size
 
@@ -459,8 +451,8 @@ class IdSet {
 // them back, unless Keep() was called.
 class Removal {
  public:
-  explicit Removal(PairList& pairs)
-      : pairs_(pairs), removed_(pairs.memory()), size_(0) {}
+  Removal(PairList& pairs, const MemoryResource& memory)
+      : pairs_(pairs), removed_(memory), size_(0) {}
   Removal(const Removal&) = delete;
   Removal& operator=(const Removal&) = delete;
   ~Removal() {
@@ -471,8 +463,9 @@ class Removal {
     constexpr std::size_t kSome = 1024;
     removed_.Reserve(expected + expected / 8);
     for (std::size_t i = 0; i < pairs_.size(); i += kSome) {
-      removed_.Reserve(removed_.size() + kSome);
-      RunSome(changed, pairs_.data() + i, std::min(kSome, pairs_.size() - i));
+      const std::size_t count = std::min(kSome, pairs_.size() - i);
+      removed_.Reserve(removed_.size() + count);
+      RunSome(changed, pairs_.data() + i, count);
     }
   }
   void Keep() {
@@ -549,13 +542,16 @@ void PairEventsCore::UpdateAll(const PairSources& sources,
                                const PairListFilter& filter) {
   PairList now(memory());
   Search(sources, options, filter).Run(pairs_.size(), now);
-  PairList began(memory());
-  PairList ended(memory());
+  CallMemory of_call(memory());
+  PairList began(of_call.resource());
+  PairList ended(of_call.resource());
   Difference(pairs_.span(), now.span(), ended, began).Find();
+  PairList its_began(began, memory());
+  PairList its_ended(ended, memory());
   swap(pairs_, now);
   id_limit_ = sources.a->id_limit();
-  swap(began_, began);
-  swap(ended_, ended);
+  swap(began_, its_began);
+  swap(ended_, its_ended);
 }
 
 void PairEventsCore::UpdateSome(const PairSources& sources,
@@ -567,27 +563,31 @@ void PairEventsCore::UpdateSome(const PairSources& sources,
   Span<const std::uint32_t> present = ids;
   const auto has = [&tree](std::uint32_t id) { return tree.Has(id); };
   const bool is_present = std::all_of(ids.begin(), ids.end(), has);
-  const Scratch scratch(memory(), is_present ? 0 : ids.size() * sizeof(ids[0]));
+  CallMemory of_call(memory());
+  const Scratch scratch(of_call.resource(),
+                        is_present ? 0 : ids.size() * sizeof(ids[0]));
   if (!is_present) {
     auto* const some = reinterpret_cast<std::uint32_t*>(scratch.data());
     std::uint32_t* const end = std::copy_if(ids.begin(), ids.end(), some, has);
     present = {some, static_cast<std::size_t>(end - some)};
   }
-  PairList found(memory());
+  PairList found(of_call.resource());
   const PairSources of_present = {sources.kernels, &tree, nullptr, &present};
   Search(of_present, options, filter).Run(0, found);
-  const IdSet changed(memory(), ids, id_limit_);
-  Removal removal(pairs_);
+  const IdSet changed(of_call.resource(), ids, id_limit_);
+  Removal removal(pairs_, of_call.resource());
   removal.Run(changed, found.size());
-  PairList began(memory());
-  PairList ended(memory());
+  PairList began(of_call.resource());
+  PairList ended(of_call.resource());
   Difference(removal.removed().span(), found.span(), ended, began).Find();
+  PairList its_began(began, memory());
+  PairList its_ended(ended, memory());
   pairs_.Reserve(removal.size() + found.size());
   removal.Keep();
   pairs_.Append(found.span());
   id_limit_ = std::max(id_limit_, tree.id_limit());
-  swap(began_, began);
-  swap(ended_, ended);
+  swap(began_, its_began);
+  swap(ended_, its_ended);
 }
 
 void PairEventsCore::Clear() { *this = PairEventsCore(memory()); }

@@ -361,14 +361,19 @@ HWY_NOINLINE bool IsRegular(const detail::BvhLevel& level, size_t block) {
   const uint64_t all = ~uint64_t{0} >> (detail::kBlockObjects - count);
   if (level.present[block] != all) return false;
   if (level.regular != nullptr) return level.regular[block] == all;
-  for (size_t k = 0; k < kAxes; ++k) {
-    const float* const min = level.Plane(block, k);
-    const float* const max = level.Plane(block, kAxes + k);
-    for (size_t i = 0; i < count; ++i) {
-      if (!(min[i] <= max[i])) return false;
-    }
+  const hn::CappedTag<float, 16> d;
+  uint64_t ordered = 0;
+  for (size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const auto is_ordered = [&](size_t k) HWY_ATTR {
+      return hn::Le(hn::LoadU(d, level.Plane(block, k) + i),
+                    hn::LoadU(d, level.Plane(block, kAxes + k) + i));
+    };
+    auto all_axes = is_ordered(0);
+    for (size_t k = 1; k < kAxes; ++k)
+      all_axes = hn::And(all_axes, is_ordered(k));
+    ordered |= LaneBits(d, all_axes) << i;
   }
-  return true;
+  return (~ordered & all) == 0;
 }
 
 // If more objects of a block have changed, all of it is encoded.

@@ -79,6 +79,28 @@ TEST(NoAllocationTest, BuildersOfMany) {
   }
 }
 
+// A frame whose pairs stay as they are.
+TEST(NoAllocationTest, FramesOfFewBodies) {
+  std::vector<Aabb2> boxes;
+  std::vector<std::uint32_t> ids;
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    const auto x = static_cast<float>(i);
+    boxes.push_back({{x, 0}, {x + 1, 1}});
+    ids.push_back(i);
+  }
+  AabbBroadPhase2 bodies;
+  bodies.Insert(ids, boxes);
+  bodies.Update();
+  bodies.UpdatePairs();
+  for (Aabb2& box : boxes) box.max[1] = 2;
+  kWithoutMemory([&] {
+    bodies.Move({ids.data(), 10}, {boxes.data(), 10});
+    bodies.Update();
+    bodies.UpdatePairs();
+  });
+  EXPECT_EQ(bodies.pairs().size(), 99u);
+}
+
 class NoAllocationOfCallsTest : public ::testing::TestWithParam<QuantizedRow> {
  protected:
   // The same on floats, on quantized bounds and on both; of many objects, whose
