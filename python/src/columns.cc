@@ -59,12 +59,17 @@ std::ptrdiff_t FirstBadBoxOf(const hs_columns& boxes, std::size_t dims,
 // do not leave all others in one cell.
 template <typename Scalar>
 std::vector<std::uint32_t> OrderByPlace(const Columns& records,
-                                        std::size_t dims) {
+                                        std::size_t dims, Work& work) {
   constexpr std::size_t kSample = 1024;
   constexpr std::size_t kMostCells = 256;
+  constexpr std::size_t kPart = 16384;
   const std::size_t bits = dims == 2 ? 8 : 5;
   const std::size_t cells = std::size_t{1} << bits;
-  std::vector<std::uint16_t> keys(records.count);
+  struct Axis {
+    std::array<Scalar, kMostCells> limits;  // the greatest value of each cell
+    std::array<std::uint16_t, kMostCells> keys{};
+  };
+  std::array<Axis, 3> axes;
   for (std::size_t k = 0; k < dims; ++k) {
     const auto* const values = static_cast<const Scalar*>(records.column[k]);
     std::array<Scalar, kSample> sample;
@@ -73,23 +78,31 @@ std::vector<std::uint32_t> OrderByPlace(const Columns& records,
       sample[i] = std::isnan(value) ? 0 : value;
     }
     std::sort(sample.begin(), sample.end());
-    std::array<Scalar, kMostCells> limits;  // the greatest value of each cell
-    std::array<std::uint16_t, kMostCells> keys_of{};
     for (std::size_t cell = 0; cell < cells; ++cell) {
-      limits[cell] = sample[(cell + 1) * kSample / cells - 1];
+      axes[k].limits[cell] = sample[(cell + 1) * kSample / cells - 1];
       for (std::size_t bit = 0; bit < bits; ++bit) {
-        keys_of[cell] |= (cell >> bit & 1) << (dims * bit + k);
+        axes[k].keys[cell] |= (cell >> bit & 1) << (dims * bit + k);
       }
-    }
-    for (std::size_t i = 0; i < records.count; ++i) {
-      const Scalar value = values[i * records.stride];
-      std::size_t cell = 0;
-      for (std::size_t half = cells / 2; half > 0; half /= 2) {
-        cell += value > limits[cell + half - 1] ? half : 0;
-      }
-      keys[i] |= keys_of[cell];
     }
   }
+  std::vector<std::uint16_t> keys(records.count);
+  // Nine tenths of the time.
+  work.SetStage(0, 0, records.count);
+  work.Run((records.count + kPart - 1) / kPart, [&](std::size_t part, auto) {
+    const std::size_t end = std::min(records.count, (part + 1) * kPart);
+    for (std::size_t k = 0; k < dims; ++k) {
+      const auto* const values = static_cast<const Scalar*>(records.column[k]);
+      const Axis& axis = axes[k];
+      for (std::size_t i = part * kPart; i < end; ++i) {
+        const Scalar value = values[i * records.stride];
+        std::size_t cell = 0;
+        for (std::size_t half = cells / 2; half > 0; half /= 2) {
+          cell += value > axis.limits[cell + half - 1] ? half : 0;
+        }
+        keys[i] |= axis.keys[cell];
+      }
+    }
+  });
   std::vector<std::uint32_t> ends((std::size_t{1} << dims * bits) + 1);
   for (const std::uint16_t key : keys) ++ends[key + 1];
   // Rays from one camera start at one place: no order helps.
@@ -178,9 +191,9 @@ hs_columns Columns::Rows(std::size_t first, std::size_t most) const {
   return rows;
 }
 
-void Columns::SortByPlace(std::size_t dims) {
-  order = type == HS_FLOAT64 ? OrderByPlace<double>(*this, dims)
-                             : OrderByPlace<float>(*this, dims);
+void Columns::SortByPlace(std::size_t dims, Work& work) {
+  order = type == HS_FLOAT64 ? OrderByPlace<double>(*this, dims, work)
+                             : OrderByPlace<float>(*this, dims, work);
 }
 
 hs_columns Columns::Part(std::size_t first, std::size_t most,

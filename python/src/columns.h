@@ -11,6 +11,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "work.h"
+
 namespace halfspace::python {
 
 // What the files add to the extension module.
@@ -56,7 +58,7 @@ struct Columns : hs_columns {
   // other become neighbors. Queries in this order find in the cache what the
   // ones before them read. If more than half of them share a cell, `order`
   // stays empty.
-  void SortByPlace(std::size_t dims);
+  void SortByPlace(std::size_t dims, Work& work);
 
   // Rows() in that order. If there is one, `copy` stores the records.
   hs_columns Part(std::size_t first, std::size_t most,

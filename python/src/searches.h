@@ -75,7 +75,7 @@ struct Searches {
   // is larger than the cache (10^5 to 5 * 10^6 objects, two builds in turns).
   static constexpr std::size_t kLargeTree = 200'000;
   static Columns QueriesIn(const World& world, const pybind11::tuple& arrays,
-                           std::size_t large = kLargeTree) {
+                           Work& work, std::size_t large = kLargeTree) {
     constexpr std::size_t kFewQueries = 8192;
     Columns queries(arrays);
     if (queries.count < kFewQueries || queries.count > HS_NO_ID) return queries;
@@ -84,14 +84,16 @@ struct Searches {
     Check(Its::kSize(world.get(), &size));
     // A function of C says which columns are missing.
     if (size >= large && queries.size >= world.dims) {
-      queries.SortByPlace(world.dims);
+      queries.SortByPlace(world.dims, work);
     }
     return queries;
   }
   // A query of boxes in 2 dimensions reads less, so the sort pays only in
   // larger trees.
-  static Columns BoxesIn(const World& world, const pybind11::tuple& arrays) {
-    return QueriesIn(world, arrays, (world.dims == 2 ? 5 : 1) * kLargeTree);
+  static Columns BoxesIn(const World& world, const pybind11::tuple& arrays,
+                         Work& work) {
+    return QueriesIn(world, arrays, work,
+                     (world.dims == 2 ? 5 : 1) * kLargeTree);
   }
 
   // find() of FindAll() and FindOfOne().
@@ -118,7 +120,7 @@ struct Searches {
                    pybind11::object progress) {
     Work work(threads, std::move(progress));
     const Reading reading(world);
-    const Columns queries = BoxesIn(world, arrays);
+    const Columns queries = BoxesIn(world, arrays, work);
     hs_query_options options = OptionsOf(mask);
     if (queries.size == world.dims + 1) options.shape = HS_SHAPE_SPHERE;
     if (queries.size == 2 * world.dims + 1) {
@@ -148,7 +150,7 @@ struct Searches {
     const hs_query_options options = OptionsOf(mask);
     Work work(threads, std::move(progress));
     const Reading reading(world);
-    const Columns queries = BoxesIn(world, arrays);
+    const Columns queries = BoxesIn(world, arrays, work);
     if (!world.is_exact) {
       return AskEach(world.get(), Its::kCount, queries, kPartQueries, work,
                      &options);
@@ -176,7 +178,7 @@ struct Searches {
     const hs_query_options options = OptionsOf(mask);
     Work work(threads, std::move(progress));
     const Reading reading(world);
-    const Columns queries = BoxesIn(world, arrays);
+    const Columns queries = BoxesIn(world, arrays, work);
     return AskEach(world.get(), Its::kAny, queries, kPartQueries, work,
                    &options);
   }
@@ -208,7 +210,7 @@ struct Searches {
     options.exclusive = is_exclusive ? 1 : 0;
     Work work(threads, std::move(progress));
     const Reading reading(world);
-    const Columns queries = QueriesIn(world, arrays);
+    const Columns queries = QueriesIn(world, arrays, work);
     const auto search = [&](const hs_columns& some, std::size_t room,
                             std::uint32_t* ids, float* distances) {
       const bool are_points = queries.size == world.dims;
@@ -252,7 +254,7 @@ struct Searches {
                               pybind11::object progress) {
     Work work(threads, std::move(progress));
     const Reading reading(world);
-    const Columns starts = QueriesIn(world, its_starts);
+    const Columns starts = QueriesIn(world, its_starts, work);
     Columns ways(its_ways);
     if (starts.count != ways.count) ThrowNotPrepared();
     const hs_query_options options = OptionsOf(mask);

@@ -706,7 +706,7 @@ py::tuple CastToTriangles(Tree& tree, const py::tuple& its_rays,
   const hs_query_options options = Searches<Tree>::OptionsOf(mask);
   Work work(threads, std::move(progress));
   const Reading reading(tree);
-  const Columns rays = Searches<Tree>::QueriesIn(tree, its_rays);
+  const Columns rays = Searches<Tree>::QueriesIn(tree, its_rays, work);
   if (finds_all) {
     return Searches<Tree>::FindHits(
         rays, work,
@@ -734,7 +734,7 @@ py::tuple ClosestPoints(Tree& tree, const py::tuple& its_points,
   const hs_query_options options = Searches<Tree>::OptionsOf(mask);
   Work work(threads, std::move(progress));
   const Reading reading(tree);
-  const Columns points = Searches<Tree>::QueriesIn(tree, its_points);
+  const Columns points = Searches<Tree>::QueriesIn(tree, its_points, work);
   py::array_t<float> closest(std::vector<std::size_t>{points.count, 3});
   float* const to = closest.mutable_data();
   const py::tuple found = FindIdsAndFloats(
