@@ -1,7 +1,6 @@
 // BVHs of every kind answer as a list of their objects does: in worlds of every
 // scene and size, in both orders, on every target. What touches a shape is
-// never rejected, in any floating-point mode; shapes that cannot be bounded;
-// and distances of all sizes.
+// never rejected, in any floating-point mode; and distances of all sizes.
 #include "tests/library/bvh/answers.h"
 
 #include <gtest/gtest.h>
@@ -161,7 +160,7 @@ TEST_P(BvhTest, CodesDecideOnlyWhatTheyProve) {
         bvh = MakeBvh(layout, bounds);
         bvh->Reserve(4097);  // a smaller world has no codes
       });
-      ASSERT_NE(bvh->tree().levels().codes, nullptr);
+      ASSERT_NE(bvh->levels().codes, nullptr);
       for (std::size_t m = 0; m < std::size(kModes); ++m) {
         for (Target target : TargetsUnderTest()) {
           std::vector<std::size_t> counts(queries.size());
@@ -330,48 +329,6 @@ TEST_P(BvhShapesTest, NeverRejectWhatTouches) {
     expect_all(on_point, point);
     expect_all(on_point, fronts);
     if (HasFatalFailure()) return;
-  }
-}
-
-// Of half-spaces, one that is unusable keeps every object, also those that are
-// Empty(), and the others count. Other shapes with such numbers keep what
-// their reference keeps (ExpectFinds()).
-TEST_P(BvhShapesTest, UnusableHalfSpacesKeepEveryObject) {
-  const Layout layout = GetParam();
-  const std::size_t dims = layout.dims;
-  const auto bounds = ObjectsIn(Scenes()[5], layout, 4200, 1);
-  const auto bvh = MakeBvh(layout, bounds);
-  const Objects objects = ObjectsOf(bounds);
-  const auto expect_as = [&](const Shape& shape, const Shape& same) {
-    for (Target target : TargetsUnderTest()) {
-      Ids expected(bounds.size());
-      expected.resize(bvh->Find(same, expected, {}, 0));
-      Ids found(bounds.size());
-      found.resize(bvh->Find(shape, found, {.target = target}, 0));
-      ASSERT_EQ(InOrder(found), InOrder(expected)) << target.name();
-    }
-  };
-  Shape good{Shape::kHalfSpaces, std::vector<float>(dims + 1)};
-  good.numbers[0] = 1;
-  good.numbers[1] = -0.5f;
-  good.numbers[dims] = 10;
-  const Shape none{Shape::kHalfSpaces, {}};
-  ASSERT_EQ(bvh->Count(none, {}), bounds.size());
-  ExpectFinds(*bvh, objects, {&good, 1}, {});
-  ASSERT_LT(bvh->Count(good, {}), bounds.size());
-  Shape huge = good;  // the same half-space
-  for (float& x : huge.numbers) x *= 0x1p124f;
-  expect_as(huge, good);
-  for (float value : {kNan, kInf, -kInf}) {
-    for (std::size_t v = 0; v <= dims; ++v) {
-      Shape bad = good;
-      bad.numbers[v] = value;
-      expect_as(bad, none);
-      Shape two = good;
-      two.numbers.insert(two.numbers.end(), bad.numbers.begin(),
-                         bad.numbers.end());
-      expect_as(two, good);
-    }
   }
 }
 
