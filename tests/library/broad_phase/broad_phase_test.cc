@@ -38,18 +38,19 @@ TEST_P(BroadPhaseHistoryTest, AnyHistoryIsThatOfTheModel) {
     const bool is_large = round == 1;
     // The last ones with too little memory at first, for each change.
     const bool is_short = round >= rounds;
-    const std::size_t most_bodies = is_large                     ? 7000
-                                    : round % 3 == 0 || is_short ? 200
-                                                                 : 1500;
     constexpr std::uint32_t kStrides[] = {1, 3, 700, 64, 5000};
+    const std::uint32_t stride = kStrides[round % 5];
+    // Far ids take memory, which queries copy.
+    const bool is_small = round % 3 == 0 || stride == 5000 || is_short;
+    const std::size_t most_bodies = is_large ? 7000 : is_small ? 200 : 1500;
     BroadPhaseOptions options;
     options.moves_wait_for_update = round % 2 != 0;
     options.caller_locks = round % 4 > 1;
     if (round % 3 == 0 || is_large) options.filter.keep = &KeepsSome;
     CountingMemory memory;
     if (is_short) options.memory = memory.resource();
-    BodyHistory history(GetParam(), choices, most_bodies, kStrides[round % 5],
-                        options, is_short ? FpMode::kDefault : mode,
+    BodyHistory history(GetParam(), choices, most_bodies, stride, options,
+                        is_short ? FpMode::kDefault : mode,
                         is_short ? &memory : nullptr);
     if (is_large) {
       // Pairs in several parts, on threads of a copy.

@@ -982,8 +982,6 @@ constexpr Scene kScenes[] = {
     {"all the same", false, &One},
     {"everything", false, &Everything},
     {"empty", false, &Empty},
-    {"empty or the same", false,
-     [](const SceneObject& o) { return o.i % 3 == 0 ? Empty(o) : One(o); }},
     {"everything and NaN among spheres", true, &EverythingOrNan},
     {"a line", false,
      [](const SceneObject& o) {
@@ -993,7 +991,6 @@ constexpr Scene kScenes[] = {
      }},
     {"a lattice", false, &Cell},
     {"a few far away", false, &FewFarAway<4>},
-    {"a few farther away", false, &FewFarAway<7>},
     {"a few very far away", false, &FewFarAway<30>},
     {"a teapot in a stadium", false, &OfTeapotInStadium},
     {"sizes over six decades", false,
