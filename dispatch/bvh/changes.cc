@@ -696,8 +696,9 @@ void BvhTree::SetMasks(Span<const std::uint32_t> masks) {
   if (tree.block_ == nullptr) return;
   tree.Prepare(kCall, {0, 0, true});
   for (std::size_t s = 0; s < tree.header().slots; ++s) {
-    const std::uint32_t id = tree.levels_.ids[s];
-    tree.levels_.level[0].masks[s] = id != kNoId ? masks[id] : 0;
+    const bool is_present = IsPresent(tree.levels_, s);
+    tree.levels_.level[0].masks[s] =
+        is_present ? masks[tree.levels_.ids[s]] : 0;
   }
   OrAllMasks(tree.levels_);
 }

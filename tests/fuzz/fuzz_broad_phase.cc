@@ -27,7 +27,7 @@ void Fuzz(Random& random) {
     history.ExpectIsModel(random() % 256);
     if (::testing::Test::HasFailure()) return;
   }
-  std::vector<std::byte> saved = history.bodies().Save();
+  std::vector<std::byte> saved = BytesOf(history.bodies());
   for (std::size_t n = random() % 4; n-- > 0;) {
     saved[random() % saved.size()] = static_cast<std::byte>(random());
   }

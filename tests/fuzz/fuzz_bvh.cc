@@ -1,7 +1,6 @@
 // Histories of BVHs against lists of their objects; and altered blobs, of which
 // calls may read nothing else.
 #include <cstddef>
-#include <stdexcept>
 
 #include "tests/fuzz/fuzz.h"
 #include "tests/library/bvh/aligned_copy.h"
@@ -9,34 +8,6 @@
 #include "tests/library/bvh/history.h"
 
 namespace halfspace::testing {
-namespace {
-
-void LoadAltered(const AnyBvh& bvh, Choices& choices, Random& random) {
-  const AlignedCopy blob(bvh.tree().Blob());
-  const auto altered = blob.bytes();
-  for (std::size_t i = random() % 20; i-- > 0 && !altered.empty();) {
-    const std::size_t most = random() % 2 == 0 ? 64 : altered.size();
-    altered[random() % most] = static_cast<std::byte>(random());
-  }
-  try {
-    const auto loaded = bvh.Copy()->Loaded(altered, random() % 2 == 0, {});
-    AskAltered(*loaded, random);
-    for (std::size_t i = random() % 200; i-- > 0;) {
-      try {
-        ChangeAltered(*loaded, random() % kAlteredChanges, choices.Next(),
-                      random);
-      } catch (const std::invalid_argument&) {
-        // Refused.
-      }
-      if (random() % 8 == 0) AskAltered(*loaded, random);
-    }
-  } catch (const std::invalid_argument&) {
-    // Refused.
-  }
-}
-
-}  // namespace
-
 void Fuzz(Random& random) {
   const Layout layout = OneOf(LayoutsOf(false), random);
   const std::size_t most = 1 + random() % (random() % 8 == 0 ? 900 : 80);
@@ -53,7 +24,13 @@ void Fuzz(Random& random) {
                           random);
     if (::testing::Test::HasFailure()) return;
   }
-  LoadAltered(history.bvh(), choices, random);
+  const AlignedCopy altered(history.bvh().Blob());
+  const auto bytes = altered.bytes();
+  for (std::size_t i = random() % 20; i-- > 0 && !bytes.empty();) {
+    const std::size_t end = random() % 2 == 0 ? 64 : bytes.size();
+    bytes[random() % end] = static_cast<std::byte>(random());
+  }
+  (void)UseAltered(layout, bytes, {}, random);
 }
 
 }  // namespace halfspace::testing

@@ -9,107 +9,47 @@
 #include <cstdint>
 #include <cstring>
 #include <iterator>
-#include <memory>
 #include <utility>
 #include <vector>
 
 #include "halfspace/error.h"
-#include "tests/library/bvh/searches_of.h"
 
 namespace halfspace::testing {
 namespace {
 
-template <typename View>
-std::vector<std::byte> BytesOfAny(const BroadPhase<View>& bodies) {
+// Their values, one after another.
+std::vector<float> ValuesOf(const Layout& layout,
+                            const std::vector<Planes>& bounds) {
+  std::vector<float> values;
+  for (const Planes& bound : bounds) {
+    values.insert(values.end(), bound.begin(),
+                  bound.begin() + layout.plane_count);
+  }
+  return values;
+}
+
+Planes BoundIn(const AnyBodies& bodies, const Layout& layout,
+               std::uint32_t id) {
+  Planes planes{};
+  bodies.Get(id, {planes.data(), layout.plane_count});
+  return planes;
+}
+
+}  // namespace
+
+std::vector<std::byte> BytesOf(const AnyBodies& bodies) {
   std::vector<std::byte> bytes;
-  bodies.Save([&](Span<const std::byte> some) {
-    bytes.insert(bytes.end(), some.begin(), some.end());
-  });
+  bodies.Save(
+      [](void* to, Span<const std::byte> some) {
+        auto& all = *static_cast<std::vector<std::byte>*>(to);
+        all.insert(all.end(), some.begin(), some.end());
+      },
+      &bytes);
   std::uint64_t size = 0;
   EXPECT_GE(bytes.size(), sizeof(size));
   std::memcpy(&size, bytes.data(), sizeof(size));
   EXPECT_EQ(size, bytes.size());
   return bytes;
-}
-
-template <typename View, typename Held = BroadPhase<View>>
-class BodiesOf final : public SearchesOf<AnyBodies, BroadPhase<View>, Held> {
-  using Base = SearchesOf<AnyBodies, BroadPhase<View>, Held>;
-  using Base::world_;
-
- public:
-  using Base::Base;
-
-  std::size_t FindPairs(const Searches*, const Span<const std::uint32_t>* ids,
-                        Span<IdPair> pairs,
-                        const PairOptions& options) const override {
-    return PairsOf(world_, *ids, pairs, options);
-  }
-  void ForEachPair(const Searches*, const Span<const std::uint32_t>* ids,
-                   const Searches::OnPairs& function,
-                   const PairOptions& options) const override {
-    ForEachPairOf(world_, *ids, function, options);
-  }
-  bool Has(std::uint32_t id) const override { return world_.Has(id); }
-  Planes Get(std::uint32_t id) const override {
-    return Base::PlanesOf(world_.Get(id));
-  }
-  BodyMasks MasksOf(std::uint32_t id) const override {
-    return world_.MasksOf(id);
-  }
-  Planes Bounds() const override { return Base::PlanesOf(world_.Bounds()); }
-  std::size_t id_limit() const override { return world_.id_limit(); }
-  bool Validate() const override { return world_.Validate(); }
-  BroadPhaseStatistics Statistics() const override {
-    return world_.Statistics();
-  }
-  Span<const IdPair> pairs() const override { return world_.pairs(); }
-  Span<const IdPair> began() const override { return world_.began(); }
-  Span<const IdPair> ended() const override { return world_.ended(); }
-  std::vector<std::byte> Save() const override { return BytesOfAny(world_); }
-  std::unique_ptr<AnyBodies> Copy() const override {
-    return std::make_unique<BodiesOf<View>>(world_);
-  }
-
-  void Insert(const Ids& ids, const std::vector<Planes>& bounds,
-              const std::vector<BodyMasks>& masks) override {
-    world_.Insert(ids, Base::BoundsOf(bounds), masks);
-  }
-  void Erase(const Ids& ids) override { world_.Erase(ids); }
-  void Move(const Ids& ids, const std::vector<Planes>& bounds) override {
-    world_.Move(ids, Base::BoundsOf(bounds));
-  }
-  void SetMasks(const Ids& ids, const std::vector<BodyMasks>& masks) override {
-    world_.SetMasks(ids, masks);
-  }
-  void Update(const UpdateOptions& options) override { world_.Update(options); }
-  void Rebuild(const Runner& run) override { world_.Rebuild(run); }
-  void UpdatePairs(const Runner& run) override { world_.UpdatePairs(run); }
-  void Load(const std::vector<std::byte>& bytes) override {
-    world_.Load(bytes);
-  }
-};
-
-using BoxBodiesByReference = BodiesOf<AabbView3, AabbBroadPhase3&>;
-
-}  // namespace
-
-std::unique_ptr<AnyBodies> MakeBodies(const Layout& layout,
-                                      const BroadPhaseOptions& options) {
-  const auto make = [&](auto view) -> std::unique_ptr<AnyBodies> {
-    using View = decltype(view);
-    return std::make_unique<BodiesOf<View>>(BroadPhase<View>(options));
-  };
-#if !defined(HALFSPACE_TEST_ONLY_3D)
-  if (layout.dims == 2) {
-    return layout.kind == Layout::kAabb ? make(AabbView2()) : make(AaboView2());
-  }
-#endif
-  return layout.kind == Layout::kAabb ? make(AabbView3()) : make(AaboView3());
-}
-
-std::vector<std::byte> BytesOf(const AabbBroadPhase3& bodies) {
-  return BytesOfAny(bodies);
 }
 
 Objects BodyModel::Seen() const {
@@ -135,44 +75,48 @@ PairList BodyModel::Pairs() const {
 }
 
 bool LoadAltered(const Layout& layout, const std::vector<std::byte>& bytes) {
-  const auto bodies = MakeBodies(layout);
-  bodies->Insert({8}, {EmptyOf(layout)}, {});
+  AnyBodies bodies(TypeOf(layout), {});
+  bodies.Insert(Ids{8}, ValuesOf(layout, {EmptyOf(layout)}), {});
   try {
-    bodies->Load(bytes);
+    bodies.Load(bytes);
   } catch (const Error&) {
-    EXPECT_TRUE(bodies->Has(8) && bodies->size() == 1);
+    EXPECT_TRUE(bodies.Has(8) && bodies.size() == 1);
     return false;
   }
   const Planes everything = AllPlanes(layout, kMost);
   const Shape all{Shape::kBound, {everything.begin(), everything.end()}};
-  Ids ids(bodies->size());
-  ids.resize(std::min(bodies->Find(all, ids, {}, 0), ids.size()));
-  std::erase_if(ids, [&](std::uint32_t id) { return !bodies->Has(id); });
-  (void)bodies->Validate();
-  bodies->Move(ids, std::vector<Planes>(ids.size(), EverythingOf(layout)));
-  bodies->UpdatePairs({});
-  bodies->Rebuild({});
-  bodies->Erase(ids);
+  Ids ids(bodies.size());
+  ids.resize(
+      std::min(Searches(layout, bodies).Find(all, ids, {}, 0), ids.size()));
+  std::erase_if(ids, [&](std::uint32_t id) { return !bodies.Has(id); });
+  (void)bodies.Validate();
+  bodies.Move(ids, ValuesOf(layout, std::vector<Planes>(ids.size(),
+                                                        EverythingOf(layout))));
+  bodies.UpdatePairs(PairKernelsOf(layout), {});
+  bodies.Rebuild({});
+  bodies.Erase(ids);
   return true;
 }
 
 void ExpectAnswers(const AnyBodies& bodies, const BodyModel& model,
                    std::uint64_t seed) {
+  const Layout& layout = model.layout;
   Random random(seed);
   constexpr std::uint32_t kMasks[] = {0xFFFFFFFF, 1, 2, 0x80000002};
   ExpectAnswers(
-      bodies, model.Seen(),
+      Searches(layout, bodies), model.Seen(),
       {.mask = kMasks[random() % 4], .is_special = seed % 8 == 0, .shapes = 1},
       random);
-  const Planes all = bodies.Bounds();
+  Planes all{};
+  bodies.Bounds({all.data(), layout.plane_count});
   for (const auto& [id, body] : model.bodies) {
     ASSERT_TRUE(bodies.Has(id)) << id;
-    const Planes bound = bodies.Get(id);
-    for (std::size_t p = 0; p < model.layout.plane_count; ++p) {
+    const Planes bound = BoundIn(bodies, layout, id);
+    for (std::size_t p = 0; p < layout.plane_count; ++p) {
       ASSERT_EQ(std::bit_cast<std::uint32_t>(bound[p]),
                 std::bit_cast<std::uint32_t>(body.bound[p]));
       const float v = body.seen[p];
-      if (IsMin(model.layout, p)) {
+      if (IsMin(layout, p)) {
         ASSERT_LE(all[p], std::isnan(v) ? -kInf : v);
       } else {
         ASSERT_GE(all[p], std::isnan(v) ? kInf : v);
@@ -183,13 +127,7 @@ void ExpectAnswers(const AnyBodies& bodies, const BodyModel& model,
   }
 }
 
-void ExpectAnswers(const AabbBroadPhase3& bodies, const BodyModel& model,
-                   std::uint64_t seed) {
-  ExpectAnswers(BoxBodiesByReference(const_cast<AabbBroadPhase3&>(bodies)),
-                model, seed);
-}
-
-void ExpectIsModel(const AabbBroadPhase3& bodies, BodyModel& model,
+void ExpectIsModel(const AnyBodies& bodies, BodyModel& model,
                    std::uint64_t seed) {
   ExpectAnswers(bodies, model, seed);
   ASSERT_TRUE(bodies.Validate());
@@ -197,40 +135,43 @@ void ExpectIsModel(const AabbBroadPhase3& bodies, BodyModel& model,
   ASSERT_EQ(bodies.Statistics().bodies, model.bodies.size());
 }
 
-void ExpectSameOrder(const AnyBodies& a, const AnyBodies& b,
-                     std::uint64_t seed) {
+void BodyHistory::ExpectSameOrder(const AnyBodies& copy,
+                                  std::uint64_t seed) const {
+  const Layout& layout = model_.layout;
   for (int kind = 0; kind <= Shape::kHalfSpaces; ++kind) {
     Random random(seed);
-    const Shape shape = SomeShapes(a.layout, static_cast<Shape::Kind>(kind), 1,
-                                   false, random)[0];
-    Ids of_a(a.size());
-    Ids of_b(a.size());
-    ASSERT_EQ(a.Find(shape, of_a, {}, 0), b.Find(shape, of_b, {}, 0));
-    ASSERT_EQ(of_a, of_b);
+    const Shape shape =
+        SomeShapes(layout, static_cast<Shape::Kind>(kind), 1, false, random)[0];
+    Ids ids(bodies().size());
+    Ids of_copy(ids.size());
+    ASSERT_EQ(Searches(layout, bodies()).Find(shape, ids, {}, 0),
+              Searches(layout, copy).Find(shape, of_copy, {}, 0));
+    ASSERT_EQ(ids, of_copy);
   }
-  ASSERT_EQ(PairsFrom(a.pairs()), PairsFrom(b.pairs()));
-  ASSERT_EQ(PairsFrom(a.began()), PairsFrom(b.began()));
-  ASSERT_EQ(PairsFrom(a.ended()), PairsFrom(b.ended()));
-  ASSERT_EQ(a.id_limit(), b.id_limit());
+  const auto& events = bodies().events();
+  ASSERT_EQ(PairsFrom(events.pairs()), PairsFrom(copy.events().pairs()));
+  ASSERT_EQ(PairsFrom(events.began()), PairsFrom(copy.events().began()));
+  ASSERT_EQ(PairsFrom(events.ended()), PairsFrom(copy.events().ended()));
+  ASSERT_EQ(bodies().id_limit(), copy.id_limit());
 }
 
 namespace {
 
 // What is stored of the bodies, and their pairs.
-Ids StateOf(const AnyBodies& bodies) {
-  const Planes everything = AllPlanes(bodies.layout, kInf);
+Ids StateOf(const Layout& layout, const AnyBodies& bodies) {
+  const Planes everything = AllPlanes(layout, kInf);
   const Shape all{Shape::kBound, {everything.begin(), everything.end()}};
   Ids ids(bodies.size());
-  EXPECT_EQ(bodies.Find(all, ids, {}, 0), ids.size());
+  EXPECT_EQ(Searches(layout, bodies).Find(all, ids, {}, 0), ids.size());
   Ids state = ids = InOrder(ids);
   for (const std::uint32_t id : ids) {
-    for (const float value : bodies.Get(id)) {
+    for (const float value : BoundIn(bodies, layout, id)) {
       state.push_back(std::bit_cast<std::uint32_t>(value));
     }
     const BodyMasks masks = bodies.MasksOf(id);
     state.insert(state.end(), {masks.category, masks.collides_with});
   }
-  for (const auto& [a, b] : InOrder(bodies.pairs(), false)) {
+  for (const auto& [a, b] : InOrder(bodies.events().pairs(), false)) {
     state.insert(state.end(), {a, b});
   }
   return state;
@@ -247,7 +188,7 @@ BodyHistory::BodyHistory(const Layout& layout, Choices& choices,
       stride_(stride),
       mode_(mode),
       memory_(memory) {
-  all_.push_back(MakeBodies(layout, options));
+  all_.emplace_back(TypeOf(layout), options);
   model_.layout = layout;
   model_.moves_wait = options.moves_wait_for_update;
   model_.keep = options.filter.keep;
@@ -265,8 +206,9 @@ void BodyHistory::Watch::Add(const Ids& found) {
 void BodyHistory::Try(const AnyBodies& bodies,
                       const std::function<void()>& call) {
   if (memory_ == nullptr) return RunIn(mode_, call);
-  const Ids before = StateOf(bodies);
-  FailuresOf(*memory_, call, [&] { EXPECT_EQ(StateOf(bodies), before); });
+  const Ids before = StateOf(model_.layout, bodies);
+  FailuresOf(*memory_, call,
+             [&] { EXPECT_EQ(StateOf(model_.layout, bodies), before); });
 }
 
 void BodyHistory::Insert(std::size_t count) {
@@ -279,7 +221,9 @@ void BodyHistory::Insert(std::size_t count) {
     if (has_masks) masks.push_back(choices_.Masks());
     model_.Insert(id, bounds.back(), has_masks ? masks.back() : BodyMasks());
   }
-  Each([&](AnyBodies& bodies) { bodies.Insert(ids, bounds, masks); });
+  Each([&](AnyBodies& bodies) {
+    bodies.Insert(ids, ValuesOf(model_.layout, bounds), masks);
+  });
 }
 
 void BodyHistory::Move(std::size_t count) {
@@ -290,16 +234,16 @@ void BodyHistory::Move(std::size_t count) {
     bounds.push_back(choices_.Below(4) == 0 ? before : choices_.Moved(before));
     model_.Move(id, bounds.back());
   }
-  Each([&](AnyBodies& bodies) { bodies.Move(ids, bounds); });
+  Each([&](AnyBodies& bodies) {
+    bodies.Move(ids, ValuesOf(model_.layout, bounds));
+  });
   for (Watch* const watch : watches_) watch->Add(Found(*watch));
 }
 
 void BodyHistory::Copy() {
   model_.Update();
-  all_.resize(1);
-  std::unique_ptr<AnyBodies> copy;
-  Try(bodies(), [&] { copy = bodies().Copy(); });
-  all_.push_back(std::move(copy));
+  all_.erase(all_.begin() + 1, all_.end());
+  Try(bodies(), [&] { all_.push_back(bodies()); });
 }
 
 std::size_t BodyHistory::Change() {
@@ -339,10 +283,10 @@ std::size_t BodyHistory::Change() {
     UpdatePairs();
   } else if (what < 16) {
     std::vector<std::byte> bytes;
-    Try(bodies(), [&] { bytes = bodies().Save(); });
+    Try(bodies(), [&] { bytes = BytesOf(bodies()); });
     Copy();
     if (what == 15) {
-      Try(*all_[1], [&] { all_[1]->Load(bytes); });
+      Try(all_[1], [&] { all_[1].Load(bytes); });
       // Events are those of the next UpdatePairs() on.
       UpdatePairs();
     }
@@ -357,7 +301,7 @@ std::size_t BodyHistory::Change() {
 void BodyHistory::ExpectIsModel(std::uint64_t seed) {
   ExpectAnswers(bodies(), model_, seed);
   for (std::size_t i = 1; i < all_.size(); ++i) {
-    ExpectSameOrder(bodies(), *all_[i], seed);
+    ExpectSameOrder(all_[i], seed);
   }
   ASSERT_FALSE(bodies().Has(0xFFFFFFFF));
   if (seed % 4 != 0) return;
@@ -384,14 +328,15 @@ void BodyHistory::UpdatePairs() {
   // Of the copy too, whose pairs must come in the same order.
   bool is_first = true;
   Each([&](AnyBodies& bodies) {
-    bodies.UpdatePairs(std::exchange(is_first, false) ? Runner()
-                                                      : Runner(&RunOnThreads));
+    bodies.UpdatePairs(
+        PairKernelsOf(model_.layout),
+        std::exchange(is_first, false) ? Runner() : Runner(&RunOnThreads));
   });
-  PairList pairs = PairsFrom(bodies().pairs());
+  PairList pairs = PairsFrom(bodies().events().pairs());
   std::sort(pairs.begin(), pairs.end());
   EXPECT_EQ(pairs, now);
-  EXPECT_EQ(PairsFrom(bodies().began()), Difference(now, pairs_));
-  EXPECT_EQ(PairsFrom(bodies().ended()), Difference(pairs_, now));
+  EXPECT_EQ(PairsFrom(bodies().events().began()), Difference(now, pairs_));
+  EXPECT_EQ(PairsFrom(bodies().events().ended()), Difference(pairs_, now));
   pairs_ = now;
 }
 
@@ -408,18 +353,19 @@ void BodyHistory::QueryAndMove(std::size_t depth) {
   watches_.push_back(&watch);
   Ids found;
   std::size_t calls = 0;
-  bodies().ForEach(
-      watch.query,
-      [&](Span<const std::uint32_t> some) {
-        found.insert(found.end(), some.begin(), some.end());
-        // Twice in the innermost: also between two parts of late bodies.
-        if (calls++ > (depth == 0 ? 1 : 0)) return Visit::kContinue;
-        Move(choices_.Below(2) == 0 ? 3 : choices_.Below(most_bodies_));
-        ExpectAnswers(bodies(), model_, choices_.Below(200));
-        if (depth > 0) QueryAndMove(depth - 1);
-        return Visit::kContinue;
-      },
-      watch.options);
+  Searches(model_.layout, bodies())
+      .ForEach(
+          watch.query,
+          [&](Span<const std::uint32_t> some) {
+            found.insert(found.end(), some.begin(), some.end());
+            // Twice in the innermost: also between two parts of late bodies.
+            if (calls++ > (depth == 0 ? 1 : 0)) return Visit::kContinue;
+            Move(choices_.Below(2) == 0 ? 3 : choices_.Below(most_bodies_));
+            ExpectAnswers(bodies(), model_, choices_.Below(200));
+            if (depth > 0) QueryAndMove(depth - 1);
+            return Visit::kContinue;
+          },
+          watch.options);
   watches_.pop_back();
   const Ids ids = InOrder(found);
   EXPECT_EQ(std::adjacent_find(ids.begin(), ids.end()), ids.end());

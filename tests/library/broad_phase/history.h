@@ -1,6 +1,6 @@
-// Broad phases after their types are gone, a list of their bodies, which knows
-// their answers, and histories: changes of every kind, of a broad phase, its
-// copies and a list of its bodies, which choices decide.
+// Broad phases: a list of their bodies, which knows their answers, and
+// histories: changes of every kind, of a broad phase, its copies and a list of
+// its bodies, which choices decide.
 #ifndef HALFSPACE_TESTS_LIBRARY_BROAD_PHASE_HISTORY_H_
 #define HALFSPACE_TESTS_LIBRARY_BROAD_PHASE_HISTORY_H_
 
@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <functional>
 #include <map>
-#include <memory>
 #include <utility>
 #include <vector>
 
@@ -16,41 +15,11 @@
 
 namespace halfspace::testing {
 
-class AnyBodies : public Searches {
- public:
-  using Searches::Searches;
-
-  virtual bool Has(std::uint32_t id) const = 0;
-  virtual Planes Get(std::uint32_t id) const = 0;
-  virtual BodyMasks MasksOf(std::uint32_t id) const = 0;
-  virtual Planes Bounds() const = 0;
-  virtual std::size_t id_limit() const = 0;
-  virtual bool Validate() const = 0;
-  virtual BroadPhaseStatistics Statistics() const = 0;
-  virtual Span<const IdPair> pairs() const = 0;
-  virtual Span<const IdPair> began() const = 0;
-  virtual Span<const IdPair> ended() const = 0;
-  virtual std::vector<std::byte> Save() const = 0;
-  virtual std::unique_ptr<AnyBodies> Copy() const = 0;
-
-  virtual void Insert(const Ids& ids, const std::vector<Planes>& bounds,
-                      const std::vector<BodyMasks>& masks) = 0;
-  virtual void Erase(const Ids& ids) = 0;
-  virtual void Move(const Ids& ids, const std::vector<Planes>& bounds) = 0;
-  virtual void SetMasks(const Ids& ids,
-                        const std::vector<BodyMasks>& masks) = 0;
-  virtual void Update(const UpdateOptions& options) = 0;
-  virtual void Rebuild(const Runner& run) = 0;
-  virtual void UpdatePairs(const Runner& run) = 0;
-  virtual void Load(const std::vector<std::byte>& bytes) = 0;
-};
-
-// Not of simplices.
-std::unique_ptr<AnyBodies> MakeBodies(const Layout& layout,
-                                      const BroadPhaseOptions& options = {});
+using AnyBodies = detail::BroadPhaseCore;  // of any type
+using detail::CoreOf;
 
 // The bytes of Save().
-std::vector<std::byte> BytesOf(const AabbBroadPhase3& bodies);
+std::vector<std::byte> BytesOf(const AnyBodies& bodies);
 
 // By their names, for bodies 0 to 99.
 using NamedCalls = std::vector<std::pair<const char*, std::function<void()>>>;
@@ -62,8 +31,8 @@ inline NamedCalls CallsThatRunAlone(AabbBroadPhase3& bodies) {
       {"Update", [&] { bodies.Update(); }},
       {"Rebuild", [&] { bodies.Rebuild(); }},
       {"UpdatePairs", [&] { bodies.UpdatePairs(); }},
-      {"Load", [&, bytes = BytesOf(bodies)] { bodies.Load(bytes); }},
-      {"Save", [&] { (void)BytesOf(bodies); }},
+      {"Load", [&, bytes = BytesOf(CoreOf(bodies))] { bodies.Load(bytes); }},
+      {"Save", [&] { (void)BytesOf(CoreOf(bodies)); }},
       {"BroadPhase", [&] { const AabbBroadPhase3 copy(bodies); }},
       {"Validate", [&] { (void)bodies.Validate(); }},
       {"Statistics", [&] { (void)bodies.Statistics(); }},
@@ -119,14 +88,9 @@ bool LoadAltered(const Layout& layout, const std::vector<std::byte>& bytes);
 // Answers of all kinds, chosen by a seed, and what is stored of each body.
 void ExpectAnswers(const AnyBodies& bodies, const BodyModel& model,
                    std::uint64_t seed);
-void ExpectAnswers(const AabbBroadPhase3& bodies, const BodyModel& model,
-                   std::uint64_t seed);
 // With the calls that run alone.
-void ExpectIsModel(const AabbBroadPhase3& bodies, BodyModel& model,
+void ExpectIsModel(const AnyBodies& bodies, BodyModel& model,
                    std::uint64_t seed);
-// Two broad phases answer the same, in the same order.
-void ExpectSameOrder(const AnyBodies& a, const AnyBodies& b,
-                     std::uint64_t seed);
 
 class BodyHistory {
  public:
@@ -136,7 +100,7 @@ class BodyHistory {
               std::uint32_t stride, const BroadPhaseOptions& options,
               FpMode mode = FpMode::kDefault, CountingMemory* memory = nullptr);
 
-  const AnyBodies& bodies() const { return *all_[0]; }
+  const AnyBodies& bodies() const { return all_[0]; }
   const BodyModel& model() const { return model_; }
 
   void Insert(std::size_t count);
@@ -161,9 +125,11 @@ class BodyHistory {
 
   template <typename Call>
   void Each(const Call& call) {
-    for (auto& bodies : all_) Try(*bodies, [&] { call(*bodies); });
+    for (AnyBodies& bodies : all_) Try(bodies, [&] { call(bodies); });
   }
   void Try(const AnyBodies& bodies, const std::function<void()>& call);
+  // The first and a copy answer the same, in the same order.
+  void ExpectSameOrder(const AnyBodies& copy, std::uint64_t seed) const;
   Ids Found(const Watch& watch) const;
   void QueryAndMove(std::size_t depth);
   Ids Some(std::size_t count, bool are_used);
@@ -173,7 +139,7 @@ class BodyHistory {
   std::uint32_t stride_;
   FpMode mode_;
   CountingMemory* memory_;
-  std::vector<std::unique_ptr<AnyBodies>> all_;  // the first, and a copy of it
+  std::vector<AnyBodies> all_;  // the first, and a copy of it
   BodyModel model_;
   PairList pairs_;
   std::vector<Watch*> watches_;

@@ -209,7 +209,7 @@ class BroadPhaseThreads {
         }
         case 2: {
           AabbBroadPhase3 loaded;
-          loaded.Load(BytesOf(bodies_));
+          loaded.Load(BytesOf(CoreOf(bodies_)));
           Check(loaded);
           break;
         }
@@ -233,7 +233,7 @@ class BroadPhaseThreads {
     }
     UpdatePairs();
     EXPECT_EQ(PairList(pairs_.begin(), pairs_.end()), model.Pairs());
-    ExpectIsModel(bodies_, model, 5);
+    ExpectIsModel(CoreOf(bodies_), model, 5);
   }
 
  private:
@@ -338,6 +338,13 @@ TEST(BroadPhaseThreadsTest, MovesQueriesAndChangesAtTheSameTime) {
     options.moves_wait_for_update = moves_wait;
     BroadPhaseThreads test(options);
     std::vector<std::thread> threads;
+    // At first each thread has a line of the lock for itself. After so many
+    // threads all new ones share a line.
+    for (std::size_t t = 0; moves_wait && t < 64; ++t) {
+      std::thread([] {
+        (void)CountSurvivors(AabbBroadPhase3(), Aabb3());
+      }).join();
+    }
     const auto start = [&](std::size_t count, auto member) {
       for (std::size_t t = 0; t < count; ++t) {
         threads.emplace_back([&test, member, t] { (test.*member)(t); });
@@ -425,39 +432,6 @@ TEST(BroadPhaseThreadsTest, CallsThatRunAloneWaitForQueries) {
     other.join();
     EXPECT_TRUE(has_ended.load());
   }
-}
-
-// More than have a line of the lock for themselves.
-TEST(BroadPhaseThreadsTest, ManyThreadsQuery) {
-  AabbBroadPhase3 bodies;
-  for (std::uint32_t id = 0; id < 100; ++id) {
-    bodies.Insert(id, PlaceOf(id, false));
-  }
-  Complaints complaints;
-  for (std::size_t turn = 0; turn < 2; ++turn) {
-    std::vector<std::thread> threads;
-    std::atomic<std::size_t> count{0};
-    constexpr std::size_t kThreads = 90;
-    for (std::uint32_t t = 0; t < kThreads; ++t) {
-      threads.emplace_back([&, t] {
-        ++count;
-        while (count < kThreads) std::this_thread::yield();
-        for (std::size_t i = 0; i < 50; ++i) {
-          bodies.Move(t, PlaceOf(t, i % 2 != 0));
-          std::size_t found = 0;
-          ForEachSurvivor(bodies, Aabb3::Everything(), [&](auto some) {
-            found += some.size();
-            complaints.Check(CountSurvivors(bodies, Aabb3::Everything()) == 100,
-                             "not all inside");
-          });
-          complaints.Check(found == 100, "not all");
-          if (i % 10 == 0) bodies.Update();
-        }
-      });
-    }
-    for (std::thread& thread : threads) thread.join();
-  }
-  EXPECT_TRUE(bodies.Validate());
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
 #include <vector>
 
 #include "tests/library/bvh/answers.h"
@@ -43,9 +44,9 @@ inline void AskAltered(const AnyBvh& world, Random& random) {
     }
   }
   (void)world.Bounds();
-  (void)world.tree().CostRatio();
-  (void)world.tree().Verify();
-  (void)world.tree().Blob();
+  (void)world.CostRatio();
+  (void)world.Verify();
+  (void)world.Blob();
 }
 
 inline constexpr std::size_t kAlteredChanges = 15;
@@ -54,15 +55,15 @@ inline void ChangeAltered(AnyBvh& world, std::size_t what, const Planes& bound,
                           Random& random) {
   const auto id = static_cast<std::uint32_t>(random() % 720);
   const auto several = [&](std::size_t count) {
-    return BoundList{std::vector<Planes>(count, bound), {}};
+    return BoundList(std::vector<Planes>(count, bound));
   };
   switch (what) {
     case 0:
-      return world.EraseOne(id);
+      return world.Erase(id);
     case 1:
-      return world.SetOne(id, several(1));
+      return world.Set(id, bound);
     case 2:
-      return world.SetMask(id, 1);
+      return world.SetMasks(id, 1);
     case 3:
       return world.SetMasks(Ids(1500, 3));
     case 4:
@@ -73,10 +74,10 @@ inline void ChangeAltered(AnyBvh& world, std::size_t what, const Planes& bound,
     case 6: {
       BoundList all = several(1500);
       if (id % 2 == 0) all.doubles.resize(1500);
-      return world.Refit(all, {});
+      return world.Refit(all, true, {});
     }
     case 7:
-      return world.RefitInOrder(several(world.tree().ids().size()), {});
+      return world.Refit(several(world.ids().size()), false, {});
     case 8:
       (void)world.Get(id);
       return;
@@ -93,15 +94,37 @@ inline void ChangeAltered(AnyBvh& world, std::size_t what, const Planes& bound,
     case 13: {
       Ids ids;
       for (std::uint32_t i = 0; i < 70; ++i) {
-        if (!world.tree().Has(id + i * 97)) ids.push_back(id + i * 97);
+        if (!world.Has(id + i * 97)) ids.push_back(id + i * 97);
       }
       return world.InsertAs(ids, several(ids.size()));
     }
     default:
       for (std::uint32_t i = 0; i < 720; ++i) {
-        if (world.tree().Has(i)) world.EraseOne(i);
+        if (world.Has(i)) world.Erase(i);
       }
   }
+}
+
+// Loads the bytes again for each change, and for queries. Returns how often
+// something was refused.
+inline std::size_t UseAltered(const Layout& layout, Span<const std::byte> blob,
+                              const MemoryResource& memory, Random& random) {
+  std::size_t refused = 0;
+  for (std::size_t first = 0; first <= kAlteredChanges; ++first) {
+    try {
+      const auto world = LoadBvh(layout, blob, random() % 2 == 0, memory);
+      for (std::size_t step = 0; first < kAlteredChanges && step < 4; ++step) {
+        ChangeAltered(*world, step == 0 ? first : random() % kAlteredChanges,
+                      step % 2 == 0 ? EverythingOf(layout) : Planes{}, random);
+      }
+      if (first == kAlteredChanges || random() % 8 == 0) {
+        AskAltered(*world, random);
+      }
+    } catch (const std::invalid_argument&) {
+      ++refused;
+    }
+  }
+  return refused;
 }
 
 }  // namespace halfspace::testing

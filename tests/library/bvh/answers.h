@@ -79,7 +79,7 @@ struct PairsAsked {
   float margin = 0;
   std::vector<Target> targets = {Target()};
 };
-// The world is an AnyBvh unless `ids` are of one world.
+// The world is a BVH unless `ids` are of one world.
 void ExpectPairs(const Searches& world, const Objects& objects,
                  const PairsAsked& asked);
 

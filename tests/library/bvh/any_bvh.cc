@@ -2,194 +2,215 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
-#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
-
-#include "tests/library/bvh/searches_of.h"
 
 namespace halfspace::testing {
 namespace {
 
-template <typename View>
-class BvhOf final : public SearchesOf<AnyBvh, Bvh<View>> {
-  using Base = SearchesOf<AnyBvh, Bvh<View>>;
-  using Base::kDims;
-  using Base::world_;
+// The kernels of a layout: Of is a template of detail/bvh.h.
+template <template <std::size_t kAxes> typename Of>
+auto KernelsOf(const Layout& layout) {
+#if !defined(HALFSPACE_TEST_ONLY_3D)
+  if (layout.axes == 2) return Of<2>::kTargets;
+#endif
+  return layout.axes == 3 ? Of<3>::kTargets : Of<4>::kTargets;
+}
 
+// Queries by shapes of one kind, as trees take them.
+class Asked {
  public:
-  using Bound = typename View::Bound;
-  using Base::Base;
-  BvhOf(const BoundList& bounds, const BuildOptions& options)
-      : Base(Build(bounds, options)) {}
-
-  const detail::BvhTree& tree() const override {
-    return detail::TreeOf(world_);
-  }
-  Planes Get(std::uint32_t id) const override {
-    return Base::PlanesOf(world_.Get(id));
-  }
-  Planes Bounds() const override { return Base::PlanesOf(world_.Bounds()); }
-
-  void CountEach(std::span<const Shape> bounds, Span<std::size_t> counts,
-                 const QueryOptions& options) const override {
-    std::vector<typename View::Query> queries(bounds.size());
-    for (std::size_t q = 0; q < queries.size(); ++q) {
-      for (std::size_t p = 0; p < kPlanes<View>; ++p) {
-        OpposingValue<View>(queries[q], p) = bounds[q].numbers[p];
+  Asked(const Layout& layout, std::span<const Shape> shapes) {
+    for (const Shape& shape : shapes) {
+      const float* const values = shape.numbers.data();
+      if (shape.kind == Shape::kBound) {
+        // Minima are compared with maxima, which come last.
+        const float* const minima = values + layout.axes;
+        bounds_.insert(bounds_.end(), minima, values + layout.plane_count);
+        bounds_.insert(bounds_.end(), values, minima);
+        continue;
       }
+      const auto kind =
+          static_cast<detail::BvhShapeQuery::Kind>(shape.kind - 1);
+      const bool is_list = shape.kind == Shape::kHalfSpaces;
+      shapes_.push_back(
+          {kind, layout.dims, values,
+           is_list ? shape.numbers.size() / (layout.dims + 1u) : 1});
     }
-    CountSurvivorsOfEach(world_, queries, counts, options);
+    queries = shapes_.empty()
+                  ? detail::BvhQueries{bounds_.data(), shapes.size()}
+                  : detail::BvhQueries{shapes_.data(), shapes.size(), &kKind};
   }
-  void ForEachNearest(const Corner& point, float max_distance,
-                      const Searches::OnHit& function,
-                      const SearchOptions& options) const override {
-    halfspace::ForEachNearest(world_, Base::PointOf(point), max_distance,
-                              Base::OnHitOf(function), options);
-  }
-  std::size_t FindPairs(const Searches* other,
-                        const Span<const std::uint32_t>* ids,
-                        Span<IdPair> pairs,
-                        const PairOptions& options) const override {
-    if constexpr (HasMaxima<View>) {
-      if (ids != nullptr) {
-        return other == nullptr
-                   ? PairsOf(world_, *ids, pairs, options)
-                   : PairsOf(world_, *ids, WorldOf(*other), pairs, options);
-      }
-      return other == nullptr ? Pairs(world_, pairs, options)
-                              : Pairs(world_, WorldOf(*other), pairs, options);
-    } else {
-      std::abort();
-    }
-  }
-  void ForEachPair(const Searches* other, const Span<const std::uint32_t>* ids,
-                   const Searches::OnPairs& function,
-                   const PairOptions& options) const override {
-    if constexpr (HasMaxima<View>) {
-      if (ids != nullptr && other != nullptr) {
-        halfspace::ForEachPairOf(world_, *ids, WorldOf(*other), function,
-                                 options);
-      } else if (ids != nullptr) {
-        halfspace::ForEachPairOf(world_, *ids, function, options);
-      } else if (other != nullptr) {
-        halfspace::ForEachPair(world_, WorldOf(*other), function, options);
-      } else {
-        halfspace::ForEachPair(world_, function, options);
-      }
-    }
-  }
-  void Update(PairEvents& events, const Span<const std::uint32_t>* changed,
-              const PairEventOptions& options) const override {
-    if constexpr (HasMaxima<View>) {
-      if (changed == nullptr) {
-        events.Update(world_, options);
-      } else {
-        events.Update(world_, *changed, options);
-      }
-    }
-  }
-
-  std::unique_ptr<AnyBvh> Copy() const override {
-    return std::make_unique<BvhOf>(world_);
-  }
-  std::unique_ptr<AnyBvh> Loaded(Span<const std::byte> blob, bool is_in_place,
-                                 const MemoryResource& memory) override {
-    return std::make_unique<BvhOf>(is_in_place
-                                       ? Bvh<View>::InPlace(blob, memory)
-                                       : Bvh<View>::FromBlob(blob, memory));
-  }
-  void Insert(const BoundList& bounds, Span<std::uint32_t> ids) override {
-    With(bounds, [&](const auto& list) { world_.Insert(list, ids); });
-  }
-  void InsertAs(Span<const std::uint32_t> ids,
-                const BoundList& bounds) override {
-    With(bounds, [&](const auto& list) { world_.InsertAs(ids, list); });
-  }
-  void Set(Span<const std::uint32_t> ids, const BoundList& bounds) override {
-    With(bounds, [&](const auto& list) { world_.Set(ids, list); });
-  }
-  std::uint32_t InsertOne(const BoundList& bound) override {
-    std::uint32_t id = 0;
-    With(bound, [&](const auto& list) { id = world_.Insert(list[0]); });
-    return id;
-  }
-  void SetOne(std::uint32_t id, const BoundList& bound) override {
-    With(bound, [&](const auto& list) { world_.Set(id, list[0]); });
-  }
-  void EraseOne(std::uint32_t id) override { world_.Erase(id); }
-  void Erase(Span<const std::uint32_t> ids) override { world_.Erase(ids); }
-  void Refit(const BoundList& by_id, const Runner& run) override {
-    With(by_id, [&](const auto& list) { world_.Refit(list, run); });
-  }
-  void RefitInOrder(const BoundList& bounds, const Runner& run) override {
-    With(bounds, [&](const auto& list) { world_.RefitInOrder(list, run); });
-  }
-  void RefitSome(Span<const std::uint32_t> ids,
-                 const BoundList& by_id) override {
-    world_.Refit(ids, Base::BoundsOf(by_id.floats));
-  }
-  void SetMask(std::uint32_t id, std::uint32_t mask) override {
-    world_.SetMasks(id, mask);
-  }
-  void SetMasks(Span<const std::uint32_t> masks) override {
-    world_.SetMasks(masks);
-  }
-  void Reserve(std::size_t objects) override { world_.Reserve(objects); }
-  void Clear() override { world_.Clear(); }
-  void Rebuild(const BuildOptions& options) override {
-    world_.Rebuild(options);
-  }
-  std::size_t RebuildPartial(std::size_t objects) override {
-    return world_.RebuildPartial(objects);
-  }
+  detail::BvhQueries queries;
 
  private:
-  static const Bvh<View>& WorldOf(const Searches& any) {
-    return static_cast<const BvhOf&>(any).world_;
-  }
-  // call(bounds) with a vector of bounds of floats or of doubles.
-  template <typename Call>
-  static void With(const BoundList& bounds, const Call& call) {
-    if constexpr (detail::kIsOfBoxes<View>) {
-      if (!bounds.doubles.empty()) {
-        std::vector<Aabb<kDims, double>> boxes(bounds.size());
-        for (std::size_t i = 0; i < boxes.size(); ++i) {
-          for (std::size_t k = 0; k < kDims; ++k) {
-            boxes[i].min[k] = bounds.doubles[i][k];
-            boxes[i].max[k] = bounds.doubles[i][kDims + k];
-          }
-        }
-        return call(boxes);
-      }
-    }
-    call(Base::BoundsOf(bounds.floats));
-  }
-  static Bvh<View> Build(const BoundList& bounds, const BuildOptions& options) {
-    Bvh<View> world(options.memory);
-    With(bounds, [&](const auto& list) { world = Bvh<View>(list, options); });
-    return world;
-  }
+  static constexpr detail::BvhShapeKind kKind = {
+      alignof(detail::BvhShapeQuery),
+      [](const void* shapes, std::size_t i) {
+        return static_cast<const detail::BvhShapeQuery*>(shapes)[i];
+      },
+      &detail::BvhWalkShapes};
+
+  std::vector<float> bounds_;
+  std::vector<detail::BvhShapeQuery> shapes_;
 };
+
+detail::NearQueries NearQueriesOf(std::span<const Place> places) {
+  static_assert(offsetof(Place, max) == sizeof(Corner));
+  return {places[0].min.data(), places[0].is_point ? 0 : Corner().size(),
+          sizeof(Place) / sizeof(float), places.size()};
+}
+
+auto WithPlanes(const Layout& layout, const Searches::OnHit& function) {
+  return [&](std::uint32_t id, float value, const float* planes) {
+    Planes bound{};
+    for (std::size_t p = 0; p < layout.plane_count; ++p) {
+      bound[p] = planes[p * detail::kBlockObjects];
+    }
+    return function(id, value, bound);
+  };
+}
 
 }  // namespace
 
-std::unique_ptr<AnyBvh> MakeBvh(const Layout& layout, const BoundList& bounds,
-                                const BuildOptions& options) {
-  const auto make = [&](auto view) -> std::unique_ptr<AnyBvh> {
-    return std::make_unique<BvhOf<decltype(view)>>(bounds, options);
-  };
-#if !defined(HALFSPACE_TEST_ONLY_3D)
-  if (layout.dims == 2) {
-    return layout.kind == Layout::kSimplex ? make(SimplexView2())
-           : layout.kind == Layout::kAabb  ? make(AabbView2())
-                                           : make(AaboView2());
+detail::BvhType TypeOf(const Layout& layout) {
+  return {layout, KernelsOf<detail::BvhKernelsOf>(layout)};
+}
+const detail::BvhPairKernels* PairKernelsOf(const Layout& layout) {
+  return KernelsOf<detail::BvhPairKernelsOf>(layout);
+}
+
+detail::PairSources PairSourcesOf(const Searches& world, const Searches* other,
+                                  const Span<const std::uint32_t>* ids) {
+  return {PairKernelsOf(world.layout), world.bvh,
+          other == nullptr ? nullptr : other->bvh, ids};
+}
+
+std::size_t Searches::Find(const Shape& shape, Span<std::uint32_t> ids,
+                           const QueryOptions& options,
+                           std::size_t skip) const {
+  const Asked asked(layout, {&shape, 1});
+  return bvh == nullptr
+             ? bodies->Survivors(asked.queries, ids, options, skip)
+             : detail::BvhSurvivors(*bvh, asked.queries, ids, options, skip);
+}
+
+std::size_t Searches::Count(const Shape& shape,
+                            const QueryOptions& options) const {
+  const Asked asked(layout, {&shape, 1});
+  return bvh == nullptr ? bodies->Count(asked.queries, options)
+                        : detail::BvhCount(*bvh, asked.queries, options);
+}
+
+std::optional<std::uint32_t> Searches::Any(const Shape& shape,
+                                           const QueryOptions& options) const {
+  const Asked asked(layout, {&shape, 1});
+  std::uint32_t id = 0;
+  const bool is_found = bvh == nullptr
+                            ? bodies->Any(asked.queries, id, options)
+                            : detail::BvhAny(*bvh, asked.queries, id, options);
+  return is_found ? std::optional(id) : std::nullopt;
+}
+
+void Searches::ForEach(const Shape& shape, const OnIds& function,
+                       const QueryOptions& options) const {
+  const Asked asked(layout, {&shape, 1});
+  detail::Callback call{function};
+  const detail::IdsFunction run = &decltype(call)::Run;
+  if (bvh == nullptr)
+    return bodies->ForEach(asked.queries, run, &call, options);
+  detail::BvhForEach(*bvh, asked.queries, run, &call, options);
+}
+
+std::size_t Searches::FindEach(std::span<const Shape> shapes,
+                               Span<std::uint32_t> ids,
+                               Span<std::size_t> offsets,
+                               const QueryOptions& options,
+                               std::size_t skip) const {
+  const Asked asked(layout, shapes);
+  return bvh == nullptr ? bodies->SurvivorsOfEach(asked.queries, ids, offsets,
+                                                  options, skip)
+                        : detail::BvhSurvivorsOfEach(*bvh, asked.queries, ids,
+                                                     offsets, options, skip);
+}
+
+void Searches::CountEach(std::span<const Shape> bounds,
+                         Span<std::size_t> counts,
+                         const QueryOptions& options) const {
+  const Asked asked(layout, bounds);
+  detail::BvhCountOfEach(*bvh, asked.queries, counts, options);
+}
+
+std::size_t Searches::Nearest(const Place& place, Span<std::uint32_t> ids,
+                              Span<float> distances, float max_distance,
+                              const SearchOptions& options) const {
+  const detail::NearQueries query = NearQueriesOf({&place, 1});
+  return bvh == nullptr
+             ? bodies->Nearest(query, max_distance, ids, distances, options)
+             : detail::BvhNearest(*bvh, query, max_distance, ids, distances,
+                                  options);
+}
+
+void Searches::NearestEach(std::span<const Place> places, std::size_t k,
+                           Span<std::uint32_t> ids, Span<float> distances,
+                           float max_distance,
+                           const SearchOptions& options) const {
+  const detail::NearQueries queries = NearQueriesOf(places);
+  if (bvh == nullptr) {
+    return bodies->NearestOfEach(queries, k, max_distance, ids, distances,
+                                 options);
   }
-#endif
-  return layout.kind == Layout::kSimplex ? make(SimplexView3())
-         : layout.kind == Layout::kAabb  ? make(AabbView3())
-                                         : make(AaboView3());
+  detail::BvhNearestOfEach(*bvh, queries, k, max_distance, ids, distances,
+                           options);
+}
+
+void Searches::ForEachNearest(const Corner& point, float max_distance,
+                              const OnHit& function,
+                              const SearchOptions& options) const {
+  detail::Callback call{WithPlanes(layout, function)};
+  detail::BvhForEachNearest(*bvh, {point.data(), 0, 0, 1}, max_distance,
+                            &decltype(call)::Run, &call, options);
+}
+
+void Searches::Cast(const Motion& motion, const OnHit& function,
+                    const SearchOptions& options) const {
+  constexpr const char* kCalls[] = {"RayCast", "BoxCast", "SphereCast"};
+  const Place& place = motion.place;
+  const bool is_box = motion.kind == Motion::kBox;
+  const detail::LineCast cast = {kCalls[motion.kind],
+                                 place.min.data(),
+                                 is_box ? place.max.data() : place.min.data(),
+                                 motion.direction.data(),
+                                 motion.max_t,
+                                 is_box ? 0 : motion.radius,
+                                 motion.kind == Motion::kBall};
+  detail::Callback call{WithPlanes(layout, function)};
+  const detail::NearFunction run = &decltype(call)::Run;
+  if (bvh == nullptr) return bodies->Cast(cast, run, &call, options);
+  detail::BvhCast(*bvh, cast, run, &call, options);
+}
+
+std::size_t Searches::FindPairs(const Searches* other,
+                                const Span<const std::uint32_t>* ids,
+                                Span<IdPair> pairs,
+                                const PairOptions& options) const {
+  const detail::PairSources sources = PairSourcesOf(*this, other, ids);
+  return bvh == nullptr ? bodies->PairsOf(sources.kernels, *ids, pairs, options)
+                        : detail::BvhPairs(sources, pairs, options);
+}
+
+void Searches::ForEachPair(const Searches* other,
+                           const Span<const std::uint32_t>* ids,
+                           const OnPairs& function,
+                           const PairOptions& options) const {
+  const detail::PairSources sources = PairSourcesOf(*this, other, ids);
+  detail::Callback call{function};
+  const detail::PairsFunction run = &decltype(call)::Run;
+  if (bvh == nullptr) {
+    return bodies->ForEachPairOf(sources.kernels, *ids, run, &call, options);
+  }
+  detail::BvhForEachPair(sources, run, &call, options);
 }
 
 }  // namespace halfspace::testing

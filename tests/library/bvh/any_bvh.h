@@ -69,10 +69,26 @@ inline Planes EmptyOf(const Layout& layout) { return AllPlanes(layout, kInf); }
 // Bounds for a call that changes a world: of floats, or of doubles that are
 // rounded outward to these floats.
 struct BoundList {
+  BoundList() = default;
+  // NOLINTNEXTLINE(google-explicit-constructor)
+  BoundList(std::vector<Planes> bounds) : floats(std::move(bounds)) {}
+
   std::vector<Planes> floats;
-  std::vector<std::array<double, 8>> doubles;  // empty if they are floats
+  std::vector<std::array<double, 8>> doubles = {};  // empty if they are floats
 
   std::size_t size() const { return floats.size(); }
+  // NOLINTNEXTLINE(google-explicit-constructor): what trees take.
+  operator detail::Columns() const {
+    return doubles.empty()
+               ? detail::ColumnsOfRows(AllOf(floats), size(), Planes().size())
+               : detail::ColumnsOfRows(AllOf(doubles), size(), Planes().size());
+  }
+
+ private:
+  template <typename Row>
+  static const typename Row::value_type* AllOf(const std::vector<Row>& rows) {
+    return rows.empty() ? nullptr : rows[0].data();
+  }
 };
 
 struct Shape {
@@ -106,7 +122,8 @@ struct Motion {
   float radius = 0;  // of a ray or a ball
 };
 
-// What a BVH and a broad phase answer.
+// What a BVH or a broad phase answers, by the library's own calls
+// (detail/bvh.h, detail/broad_phase.h).
 class Searches {
  public:
   using OnIds = std::function<Visit(Span<const std::uint32_t>)>;
@@ -114,95 +131,95 @@ class Searches {
       std::function<Limit(std::uint32_t, float value, const Planes& bound)>;
   using OnPairs = std::function<Visit(Span<const IdPair>)>;
 
-  explicit Searches(const Layout& its_layout) : layout(its_layout) {}
-  virtual ~Searches() = default;
+  Searches(const Layout& its_layout, const detail::BvhTree& its_bvh)
+      : layout(its_layout), bvh(&its_bvh) {}
+  Searches(const Layout& its_layout, const detail::BroadPhaseCore& its_bodies)
+      : layout(its_layout), bodies(&its_bodies) {}
+  // The other one is null.
   const Layout layout;
+  const detail::BvhTree* const bvh = nullptr;
+  const detail::BroadPhaseCore* const bodies = nullptr;
 
-  virtual std::size_t size() const = 0;
-  virtual std::size_t Find(const Shape& shape, Span<std::uint32_t> ids,
-                           const QueryOptions& options,
-                           std::size_t skip) const = 0;
-  virtual std::size_t Count(const Shape& shape,
-                            const QueryOptions& options) const = 0;
-  virtual std::optional<std::uint32_t> Any(
-      const Shape& shape, const QueryOptions& options) const = 0;
-  virtual void ForEach(const Shape& shape, const OnIds& function,
-                       const QueryOptions& options) const = 0;
+  std::size_t size() const {
+    return bvh == nullptr ? bodies->size() : bvh->size();
+  }
+  std::size_t Find(const Shape& shape, Span<std::uint32_t> ids,
+                   const QueryOptions& options, std::size_t skip) const;
+  std::size_t Count(const Shape& shape, const QueryOptions& options) const;
+  std::optional<std::uint32_t> Any(const Shape& shape,
+                                   const QueryOptions& options) const;
+  void ForEach(const Shape& shape, const OnIds& function,
+               const QueryOptions& options) const;
   // Shapes of one kind.
-  virtual std::size_t FindEach(std::span<const Shape> shapes,
-                               Span<std::uint32_t> ids,
-                               Span<std::size_t> offsets,
-                               const QueryOptions& options,
-                               std::size_t skip) const = 0;
-  virtual std::size_t Nearest(const Place& place, Span<std::uint32_t> ids,
-                              Span<float> distances, float max_distance,
-                              const SearchOptions& options) const = 0;
-  virtual void NearestEach(std::span<const Place> places, std::size_t k,
-                           Span<std::uint32_t> ids, Span<float> distances,
-                           float max_distance,
-                           const SearchOptions& options) const = 0;
-  virtual void Cast(const Motion& motion, const OnHit& function,
-                    const SearchOptions& options) const = 0;
+  std::size_t FindEach(std::span<const Shape> shapes, Span<std::uint32_t> ids,
+                       Span<std::size_t> offsets, const QueryOptions& options,
+                       std::size_t skip) const;
+  std::size_t Nearest(const Place& place, Span<std::uint32_t> ids,
+                      Span<float> distances, float max_distance,
+                      const SearchOptions& options) const;
+  void NearestEach(std::span<const Place> places, std::size_t k,
+                   Span<std::uint32_t> ids, Span<float> distances,
+                   float max_distance, const SearchOptions& options) const;
+  void Cast(const Motion& motion, const OnHit& function,
+            const SearchOptions& options) const;
   // Not of simplices. In one world, or of a BVH with another one; of some
   // objects, or of all of a BVH.
-  virtual std::size_t FindPairs(const Searches* other,
-                                const Span<const std::uint32_t>* ids,
-                                Span<IdPair> pairs,
-                                const PairOptions& options) const = 0;
-  virtual void ForEachPair(const Searches* other,
-                           const Span<const std::uint32_t>* ids,
-                           const OnPairs& function,
-                           const PairOptions& options) const = 0;
+  std::size_t FindPairs(const Searches* other,
+                        const Span<const std::uint32_t>* ids,
+                        Span<IdPair> pairs, const PairOptions& options) const;
+  void ForEachPair(const Searches* other, const Span<const std::uint32_t>* ids,
+                   const OnPairs& function, const PairOptions& options) const;
+  // Of BVHs alone.
+  void CountEach(std::span<const Shape> bounds, Span<std::size_t> counts,
+                 const QueryOptions& options) const;
+  void ForEachNearest(const Corner& point, float max_distance,
+                      const OnHit& function,
+                      const SearchOptions& options) const;
 };
 
-class AnyBvh : public Searches {
+detail::BvhType TypeOf(const Layout& layout);
+const detail::BvhPairKernels* PairKernelsOf(const Layout& layout);
+detail::PairSources PairSourcesOf(
+    const Searches& world, const Searches* other = nullptr,
+    const Span<const std::uint32_t>* ids = nullptr);
+
+class AnyBvh : public detail::BvhTree, public Searches {
  public:
-  using Searches::Searches;
+  AnyBvh(const Layout& its_layout, const MemoryResource& memory)
+      : BvhTree(TypeOf(its_layout), memory), Searches(its_layout, *this) {}
+  AnyBvh(const AnyBvh& other) : BvhTree(other), Searches(other.layout, *this) {}
+  AnyBvh& operator=(const AnyBvh&) = delete;
 
-  virtual const detail::BvhTree& tree() const = 0;
-  virtual Planes Get(std::uint32_t id) const = 0;
-  virtual Planes Bounds() const = 0;
-  virtual void CountEach(std::span<const Shape> bounds,
-                         Span<std::size_t> counts,
-                         const QueryOptions& options) const = 0;
-  virtual void ForEachNearest(const Corner& point, float max_distance,
-                              const OnHit& function,
-                              const SearchOptions& options) const = 0;
-  virtual void Update(PairEvents& events,
-                      const Span<const std::uint32_t>* changed,
-                      const PairEventOptions& options) const = 0;
-
-  virtual std::unique_ptr<AnyBvh> Copy() const = 0;
-  virtual std::unique_ptr<AnyBvh> Loaded(Span<const std::byte> blob,
-                                         bool is_in_place,
-                                         const MemoryResource& memory) = 0;
-  virtual void Insert(const BoundList& bounds, Span<std::uint32_t> ids) = 0;
-  virtual void InsertAs(Span<const std::uint32_t> ids,
-                        const BoundList& bounds) = 0;
-  virtual void Set(Span<const std::uint32_t> ids, const BoundList& bounds) = 0;
-  // Of one object, which have calls of their own.
-  virtual std::uint32_t InsertOne(const BoundList& bound) = 0;
-  virtual void SetOne(std::uint32_t id, const BoundList& bound) = 0;
-  virtual void EraseOne(std::uint32_t id) = 0;
-  virtual void Erase(Span<const std::uint32_t> ids) = 0;
-  virtual void Refit(const BoundList& by_id, const Runner& run) = 0;
-  virtual void RefitInOrder(const BoundList& bounds, const Runner& run) = 0;
-  virtual void RefitSome(Span<const std::uint32_t> ids,
-                         const BoundList& by_id) = 0;
-  virtual void SetMask(std::uint32_t id, std::uint32_t mask) = 0;
-  virtual void SetMasks(Span<const std::uint32_t> masks) = 0;
-  virtual void Reserve(std::size_t objects) = 0;
-  virtual void Clear() = 0;
-  virtual void Rebuild(const BuildOptions& options) = 0;
-  virtual std::size_t RebuildPartial(std::size_t objects) = 0;
+  using BvhTree::size;
+  Planes Get(std::uint32_t id) const {
+    Planes planes{};
+    BvhTree::Get(id, {planes.data(), layout.plane_count});
+    return planes;
+  }
+  Planes Bounds() const {
+    Planes planes{};
+    BvhTree::Bounds({planes.data(), layout.plane_count});
+    return planes;
+  }
+  std::unique_ptr<AnyBvh> Copy() const {
+    return std::make_unique<AnyBvh>(*this);
+  }
 };
 
-std::unique_ptr<AnyBvh> MakeBvh(const Layout& layout, const BoundList& bounds,
-                                const BuildOptions& options = {});
 inline std::unique_ptr<AnyBvh> MakeBvh(const Layout& layout,
-                                       const std::vector<Planes>& bounds,
+                                       const BoundList& bounds,
                                        const BuildOptions& options = {}) {
-  return MakeBvh(layout, BoundList{bounds, {}}, options);
+  auto bvh = std::make_unique<AnyBvh>(layout, options.memory);
+  bvh->Build(bounds, options);
+  return bvh;
+}
+inline std::unique_ptr<AnyBvh> LoadBvh(const Layout& layout,
+                                       Span<const std::byte> blob,
+                                       bool is_in_place,
+                                       const MemoryResource& memory = {}) {
+  auto bvh = std::make_unique<AnyBvh>(layout, memory);
+  bvh->Load(blob, is_in_place);
+  return bvh;
 }
 
 // Each test runs once for each kind of world.

@@ -79,28 +79,12 @@ std::vector<std::byte> AsFormat4(Span<const std::byte> blob) {
   return bytes;
 }
 
-// Format 3 has codes behind the floats of the objects. Here they are 0.
-std::vector<std::byte> AsFormat3(const detail::PlaneLayout& layout,
-                                 Span<const std::byte> blob) {
-  std::vector<std::byte> bytes = AsFormat4(blob);
-  std::uint32_t room = 0;
-  std::memcpy(&room, &bytes[32], sizeof(room));
-  const std::size_t values = (room + 63) / 64 * 64 * layout.plane_count;
-  bytes.insert(bytes.begin() + 128 + values * sizeof(float),
-               values * sizeof(std::int16_t), std::byte{0});
-  const std::uint32_t version = 3;
-  std::memcpy(&bytes[8], &version, sizeof(version));
-  const std::uint64_t size = bytes.size();
-  std::memcpy(&bytes[16], &size, sizeof(size));
-  return bytes;
-}
-
 class BvhBlobTest : public ::testing::TestWithParam<Layout> {};
 INSTANTIATE_TEST_SUITE_P(Of, BvhBlobTest, ::testing::ValuesIn(LayoutsOf(false)),
                          LayoutName());
 
 std::vector<std::byte> BytesOf(const AnyBvh& bvh) {
-  const auto blob = bvh.tree().Blob();
+  const auto blob = bvh.Blob();
   return {blob.begin(), blob.end()};
 }
 
@@ -126,10 +110,10 @@ TEST_P(BvhBlobTest, ABlobHasNothingElseInIt) {
   for (int step = 0; step < 4; ++step) {
     EXPECT_EQ(BytesOf(*a), BytesOf(*b)) << step;
     for (AnyBvh* changed : {a.get(), b.get()}) {
-      if (step == 0) changed->EraseOne(17);
-      if (step == 1) changed->SetMask(5, 4);
+      if (step == 0) changed->Erase(17);
+      if (step == 1) changed->SetMasks(5, 4);
       for (std::size_t i = 0; step == 2 && i < 100; ++i) {
-        changed->InsertOne({{bounds[i]}, {}});
+        changed->Insert(bounds[i]);
       }
     }
   }
@@ -139,125 +123,10 @@ TEST_P(BvhBlobTest, OfAnotherTypeIsRefused) {
   const auto bvh = MakeBvh(GetParam(), Spheres(GetParam(), 1).Some(100));
   for (const Layout& other : LayoutsOf(false)) {
     if (other == GetParam()) continue;
-    const auto of_other = MakeBvh(other, std::vector<Planes>());
     for (bool is_in_place : {false, true}) {
-      EXPECT_REFUSED((of_other->Loaded(bvh->tree().Blob(), is_in_place, {})),
+      EXPECT_REFUSED((LoadBvh(other, bvh->Blob(), is_in_place)),
                      is_in_place ? "InPlace" : "FromBlob", "blob", "dimensions",
                      "axes");
-    }
-  }
-}
-
-// The blob stays what it was made of: a change that is refused is none, and
-// after one there is another blob.
-TEST_P(BvhBlobTest, VerifyLooksAtTheBytesThatWereLoaded) {
-  const auto bvh = MakeBvh(GetParam(), Spheres(GetParam(), 1).Some(200));
-  bvh->EraseOne(3);
-  const AlignedCopy blob(bvh->tree().Blob());
-  std::byte& last = blob.bytes().back();
-  last ^= std::byte{1};
-  const auto altered = bvh->Loaded(blob.bytes(), false, {});
-  EXPECT_EQ(altered->RebuildPartial(0), 0u);
-  EXPECT_THROW(altered->EraseOne(3), std::invalid_argument);
-  EXPECT_FALSE(altered->tree().Verify());
-  EXPECT_FALSE(altered->Copy()->tree().Verify());
-  last ^= std::byte{1};
-  const auto changed = bvh->Loaded(blob.bytes(), true, {});
-  EXPECT_TRUE(changed->tree().Verify() && changed->Copy()->tree().Verify());
-  changed->EraseOne(4);
-  EXPECT_TRUE(changed->tree().Verify());
-  EXPECT_TRUE(bvh->Loaded(changed->tree().Blob(), false, {})->tree().Verify());
-  EXPECT_NE(BytesOf(*changed), BytesOf(*bvh));
-}
-
-// Blocks between pages that fault, and the last of each touches one.
-struct GuardedBlocks {
-  std::map<void*, std::unique_ptr<GuardedMemory>> blocks;
-
-  void* allocate(std::size_t bytes, std::size_t) {
-    auto memory = std::make_unique<GuardedMemory>(bytes);
-    void* const block =
-        memory->Get<std::byte>(bytes, GuardedSide::kAfter).data();
-    blocks[block] = std::move(memory);
-    return block;
-  }
-  void deallocate(void* block, std::size_t, std::size_t) {
-    blocks.erase(block);
-  }
-};
-
-// Any byte of what a blob says of itself, and any number of them: the blob is
-// refused, or no query and no change reads or writes anything else.
-TEST_P(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
-  const Layout layout = GetParam();
-  Spheres spheres(layout, 2);
-  const BoundList objects{spheres.Some(700), {}};
-  const Planes everything = EverythingOf(layout);
-  const auto fresh = MakeBvh(layout, objects);
-  const auto bvh = fresh->Copy();
-  for (std::uint32_t id = 0; id < 60; ++id) bvh->EraseOne(id);
-  for (int i = 0; i < 80; ++i) bvh->InsertOne({{EmptyOf(layout)}, {}});
-  bvh->EraseOne(5);
-  const auto with_masks = bvh->Copy();
-  with_masks->SetMask(6, 2);
-  const auto with_own_ids = bvh->Copy();
-  with_own_ids->InsertAs(Ids{730, 2000, 6000},
-                         {std::vector<Planes>(3, everything), {}});
-  std::vector<std::vector<std::byte>> blobs;
-  for (const AnyBvh* world :
-       {fresh.get(), bvh.get(), with_masks.get(), with_own_ids.get()}) {
-    const auto blob = world->tree().Blob();
-    blobs.push_back(BytesOf(*world));
-    for (const auto& old : {AsFormat4(blob), AsFormat3(layout, blob)}) {
-      EXPECT_EQ(bvh->Loaded(old, false, {})->size(), world->size());
-      blobs.push_back(old);
-    }
-  }
-  Random random(1);
-  std::size_t refused = 0;
-  std::size_t changed = 0;
-  GuardedBlocks guarded;
-  for (std::size_t round = 0, rounds = std::max<std::size_t>(Scaled(1000), 100);
-       round < rounds; ++round) {
-    const std::vector<std::byte>& blob = blobs[random() % blobs.size()];
-    const GuardedMemory memory(blob.size());
-    const auto altered =
-        memory.Get<std::byte>(blob.size(), GuardedSide::kAfter);
-    std::copy(blob.begin(), blob.end(), altered.begin());
-    // Numbers of the header, any bytes of it, any bytes.
-    for (std::size_t c = 1 + random() % (round % 2 == 0 ? 2 : 40); c-- > 0;) {
-      if (round % 4 == 0) {
-        const auto value = static_cast<std::uint32_t>(random() % 1100);
-        std::memcpy(&altered[32 + random() % 8 * 4], &value, sizeof(value));
-      } else {
-        const std::size_t most = round % 4 == 1 ? 64 : altered.size();
-        altered[random() % most] = static_cast<std::byte>(random());
-      }
-    }
-    for (std::size_t first = 0; first <= kAlteredChanges; ++first) {
-      try {
-        const auto world =
-            bvh->Loaded(altered, random() % 2 == 0, MemoryFrom(guarded));
-        if (first == kAlteredChanges) {
-          AskAltered(*world, random);
-          continue;
-        }
-        for (std::size_t step = 0; step < 4; ++step) {
-          ChangeAltered(*world, step == 0 ? first : random() % kAlteredChanges,
-                        step % 2 == 0 ? everything : Planes{}, random);
-          ++changed;
-        }
-      } catch (const std::invalid_argument&) {
-        ++refused;
-      }
-    }
-  }
-  EXPECT_GT(refused, 0u);
-  EXPECT_GT(changed, 0u);
-  for (const auto& blob : blobs) {
-    for (std::size_t size : {1u, 63u, 64u, 1000u}) {
-      EXPECT_REFUSED((bvh->Loaded({blob.data(), size}, false, {})), "FromBlob",
-                     "blob");
     }
   }
 }
@@ -284,18 +153,14 @@ void WriteAt(std::span<std::byte> blob, std::size_t at, T value) {
 }
 
 // A formula in integers, so that all machines make the same objects.
-Planes Object(const Layout& layout, std::uint32_t i, std::uint32_t size,
-              bool is_query = false) {
+Planes Object(const Layout& layout, std::uint32_t id) {
   Planes planes{};
   for (std::uint32_t p = 0; p < layout.plane_count; ++p) {
     const std::uint32_t k = p % layout.axes;
-    planes[p] = static_cast<float>((i * 37 + k * 29) % 101) - 50;
-    if (IsMin(layout, p) == is_query) planes[p] += static_cast<float>(size);
+    planes[p] = static_cast<float>((id * 37 + k * 29) % 101) - 50;
+    if (!IsMin(layout, p)) planes[p] += static_cast<float>(id % 7);
   }
   return planes;
-}
-BoundList OneObject(const Layout& layout, std::uint32_t id) {
-  return {{Object(layout, id, id % 7)}, {}};
 }
 bool IsErased(std::uint32_t id) { return id % 7 == 3; }
 std::uint32_t MasksOf(std::uint32_t id) {
@@ -324,18 +189,18 @@ constexpr Stored kStored[] = {
 std::unique_ptr<AnyBvh> Make(const Stored& stored) {
   std::vector<Planes> bounds;
   for (std::uint32_t id = 0; id < stored.objects; ++id) {
-    bounds.push_back(OneObject(stored.layout, id).floats[0]);
+    bounds.push_back(Object(stored.layout, id));
   }
   if (!stored.is_erased) return MakeBvh(stored.layout, bounds);
   // Objects in the order of their ids, which no sort has changed.
   auto bvh = MakeBvh(stored.layout, std::vector<Planes>());
   bvh->Reserve(stored.objects);
-  for (const Planes& bound : bounds) bvh->InsertOne({{bound}, {}});
+  for (const Planes& bound : bounds) bvh->Insert(bound);
   for (std::uint32_t id = 0; id < stored.objects; ++id) {
-    if (IsErased(id)) bvh->EraseOne(id);
+    if (IsErased(id)) bvh->Erase(id);
   }
   for (std::uint32_t id = 0; stored.has_masks && id < stored.objects; ++id) {
-    if (!IsErased(id)) bvh->SetMask(id, MasksOf(id));
+    if (!IsErased(id)) bvh->SetMasks(id, MasksOf(id));
   }
   return bvh;
 }
@@ -344,31 +209,100 @@ Objects ModelOf(const Stored& stored) {
   Objects model;
   for (std::uint32_t id = 0; id < stored.objects; ++id) {
     if (stored.is_erased && IsErased(id)) continue;
-    model[id] = {OneObject(stored.layout, id).floats[0]};
+    model[id] = {Object(stored.layout, id)};
     if (stored.has_masks) model[id].masks = MasksOf(id);
   }
   return model;
 }
 
-std::unique_ptr<AnyBvh> Loaded(const Layout& layout, Span<const std::byte> blob,
-                               bool is_in_place) {
-  return MakeBvh(layout, std::vector<Planes>())->Loaded(blob, is_in_place, {});
-}
-
-AlignedCopy File(const Stored& stored, std::uint32_t format) {
+std::vector<std::byte> FileOf(const Stored& stored, std::uint32_t format) {
   const std::string path = std::string(HALFSPACE_TEST_DATA "/") + stored.name +
                            "." + std::to_string(format) + ".bvh";
   std::ifstream file(path, std::ios::binary);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
+  std::vector<std::byte> bytes;
+  for (char c; file.get(c);) bytes.push_back(static_cast<std::byte>(c));
   EXPECT_FALSE(bytes.empty()) << path;
-  return AlignedCopy(
-      {reinterpret_cast<const std::byte*>(bytes.data()), bytes.size()});
+  return bytes;
+}
+
+// Blocks between pages that fault, and the last of each touches one.
+struct GuardedBlocks {
+  std::map<void*, std::unique_ptr<GuardedMemory>> blocks;
+
+  void* allocate(std::size_t bytes, std::size_t) {
+    auto memory = std::make_unique<GuardedMemory>(bytes);
+    void* const block =
+        memory->Get<std::byte>(bytes, GuardedSide::kAfter).data();
+    blocks[block] = std::move(memory);
+    return block;
+  }
+  void deallocate(void* block, std::size_t, std::size_t) {
+    blocks.erase(block);
+  }
+};
+
+// Any byte of what a blob says of itself, and any number of them: the blob is
+// refused, or no query and no change reads or writes anything else.
+TEST_P(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
+  const Layout layout = GetParam();
+  Spheres spheres(layout, 2);
+  const BoundList objects = spheres.Some(700);
+  const Planes everything = EverythingOf(layout);
+  const auto fresh = MakeBvh(layout, objects);
+  const auto bvh = fresh->Copy();
+  for (std::uint32_t id = 0; id < 60; ++id) bvh->Erase(id);
+  for (int i = 0; i < 80; ++i) bvh->Insert(EmptyOf(layout));
+  bvh->Erase(5);
+  const auto with_masks = bvh->Copy();
+  with_masks->SetMasks(6, 2);
+  const auto with_own_ids = bvh->Copy();
+  with_own_ids->InsertAs(Ids{730, 2000, 6000},
+                         BoundList(std::vector<Planes>(3, everything)));
+  std::vector<std::vector<std::byte>> blobs;
+  for (const AnyBvh* world :
+       {fresh.get(), bvh.get(), with_masks.get(), with_own_ids.get()}) {
+    blobs.push_back(BytesOf(*world));
+    blobs.push_back(AsFormat4(world->Blob()));
+  }
+  for (const Stored& stored : kStored) {
+    if (stored.layout == layout) blobs.push_back(FileOf(stored, kOldest));
+  }
+  Random random(1);
+  std::size_t refused = 0;
+  GuardedBlocks guarded;
+  const std::size_t rounds = std::max<std::size_t>(Scaled(1000), 100);
+  for (std::size_t round = 0; round < rounds; ++round) {
+    const std::vector<std::byte>& blob = blobs[random() % blobs.size()];
+    const GuardedMemory memory(blob.size());
+    const auto altered =
+        memory.Get<std::byte>(blob.size(), GuardedSide::kAfter);
+    std::copy(blob.begin(), blob.end(), altered.begin());
+    // Numbers of the header, any bytes of it, any bytes.
+    for (std::size_t c = 1 + random() % (round % 2 == 0 ? 2 : 40); c-- > 0;) {
+      if (round % 4 == 0) {
+        const auto value = static_cast<std::uint32_t>(random() % 1100);
+        std::memcpy(&altered[32 + random() % 8 * 4], &value, sizeof(value));
+      } else {
+        const std::size_t most = round % 4 == 1 ? 64 : altered.size();
+        altered[random() % most] = static_cast<std::byte>(random());
+      }
+    }
+    refused += UseAltered(layout, altered, MemoryFrom(guarded), random);
+  }
+  EXPECT_GT(refused, 0u);
+  EXPECT_LT(refused, rounds * (kAlteredChanges + 1));
+  for (const auto& blob : blobs) {
+    for (std::size_t size : {1u, 63u, 64u, 1000u}) {
+      EXPECT_REFUSED((LoadBvh(layout, {blob.data(), size}, false)), "FromBlob",
+                     "blob");
+    }
+  }
 }
 
 // The bytes of a world are those that its format has had from its beginning.
 void ExpectIsNewest(const Stored& stored, const AnyBvh& bvh) {
-  const AlignedCopy file = File(stored, kNewest);
-  const auto blob = bvh.tree().Blob();
+  const AlignedCopy file(FileOf(stored, kNewest));
+  const auto blob = bvh.Blob();
   if (std::ranges::equal(blob, file.bytes())) return;
   const std::string today = ::testing::TempDir() + stored.name + ".bvh";
   std::ofstream(today, std::ios::binary)
@@ -391,30 +325,30 @@ void ExpectIsModelAfterChanges(AnyBvh& world, Objects model) {
     ExpectIsModel(world, model, {.targets = targets}, random);
     ExpectAnswers(world, model, {.targets = targets, .mask = 4}, random);
   };
-  EXPECT_TRUE(world.tree().Verify());
+  EXPECT_TRUE(world.Verify());
   expect();
   const auto set = [&](std::uint32_t id, std::uint32_t object) {
-    world.SetOne(id, OneObject(layout, object));
-    model[id].bound = OneObject(layout, object).floats[0];
+    world.Set(id, Object(layout, object));
+    model[id].bound = Object(layout, object);
   };
   set(0, 50);
-  EXPECT_EQ(FormatOf(world.tree().Blob()), kNewest);
+  EXPECT_EQ(FormatOf(world.Blob()), kNewest);
   for (std::uint32_t i = 1000; i < 1100; ++i) {
-    const BoundList bound = OneObject(layout, i);
-    model[world.InsertOne(bound)] = {bound.floats[0]};
+    const Planes bound = Object(layout, i);
+    model[world.Insert(bound)] = {bound};
   }
   for (std::uint32_t id = 0; id < 100; id += 9) {
     if (model.contains(id)) set(id, id + 1);
   }
-  world.EraseOne(1);
+  world.Erase(1);
   model.erase(1);
-  world.SetMask(2, 3);
+  world.SetMasks(2, 3);
   model[2].masks = 3;
   for (bool is_rebuilt : {false, true}) {
     if (is_rebuilt) world.Rebuild({});
     expect();
-    EXPECT_EQ(FormatOf(world.tree().Blob()), kNewest);
-    EXPECT_TRUE(Loaded(layout, world.tree().Blob(), false)->tree().Verify());
+    EXPECT_EQ(FormatOf(world.Blob()), kNewest);
+    EXPECT_TRUE(LoadBvh(layout, world.Blob(), false)->Verify());
   }
 }
 
@@ -430,28 +364,26 @@ TEST_P(BvhFormatTest, EveryFormatIsRead) {
   for (std::uint32_t format = kOldest; format <= kNewest + 1; ++format) {
     SCOPED_TRACE(format);
     const bool is_mixed = format > kNewest;
-    const AlignedCopy file = File(stored, is_mixed ? 4 : format);
+    const AlignedCopy file(FileOf(stored, is_mixed ? 4 : format));
     ASSERT_EQ(FormatOf(file.bytes()), is_mixed ? 4 : format);
     if (is_mixed) WriteAt(file.bytes(), kVersionAt, std::uint32_t{3});
     const AlignedCopy untouched(file.bytes());
-    const auto copy = Loaded(stored.layout, file.bytes(), false);
-    const auto in_place = Loaded(stored.layout, file.bytes(), true);
+    const auto copy = LoadBvh(stored.layout, file.bytes(), false);
+    const auto in_place = LoadBvh(stored.layout, file.bytes(), true);
     const bool has_todays_layout =
         (is_mixed ? 4 : format) >= stored.first_of_layout;
-    EXPECT_EQ(in_place->tree().Blob().data() == file.bytes().data(),
+    EXPECT_EQ(in_place->Blob().data() == file.bytes().data(),
               has_todays_layout);
     if (is_mixed) {
       Random random(2);
       ExpectIsModel(*in_place, ModelOf(stored), {}, random);
       continue;
     }
-    EXPECT_EQ(FormatOf(copy->tree().Blob()),
-              has_todays_layout ? format : kNewest);
-    EXPECT_TRUE(
-        Loaded(stored.layout, in_place->tree().Blob(), true)->tree().Verify());
+    EXPECT_EQ(FormatOf(copy->Blob()), has_todays_layout ? format : kNewest);
+    EXPECT_TRUE(LoadBvh(stored.layout, in_place->Blob(), true)->Verify());
     const auto cleared = copy->Copy();
     cleared->Clear();
-    EXPECT_EQ(FormatOf(cleared->tree().Blob()), kNewest);
+    EXPECT_EQ(FormatOf(cleared->Blob()), kNewest);
     ExpectIsModelAfterChanges(*copy, ModelOf(stored));
     ExpectIsModelAfterChanges(*in_place, ModelOf(stored));
     EXPECT_TRUE(std::ranges::equal(file.bytes(), untouched.bytes()));
@@ -462,17 +394,16 @@ TEST_P(BvhFormatTest, TodaysBytesAreTheNewestFormat) {
   const Stored& stored = GetParam();
   if (stored.is_erased) ExpectIsNewest(stored, *Make(stored));
   // The order of a build may change without a new format, so it is the file's.
-  const AlignedCopy file = File(stored, kNewest);
-  const auto refitted = Loaded(stored.layout, file.bytes(), false);
+  const AlignedCopy file(FileOf(stored, kNewest));
+  const auto refitted = LoadBvh(stored.layout, file.bytes(), false);
   BoundList in_order;
-  for (std::uint32_t id : refitted->tree().ids()) {
-    in_order.floats.push_back(id < stored.objects
-                                  ? OneObject(stored.layout, id).floats[0]
-                                  : EmptyOf(stored.layout));
+  for (std::uint32_t id : refitted->ids()) {
+    in_order.floats.push_back(id < stored.objects ? Object(stored.layout, id)
+                                                  : EmptyOf(stored.layout));
   }
-  refitted->RefitInOrder(in_order, {});
+  refitted->Refit(in_order, false, {});
   ExpectIsNewest(stored, *refitted);
-  EXPECT_EQ(Make(stored)->tree().Blob().size(), file.bytes().size());
+  EXPECT_EQ(Make(stored)->Blob().size(), file.bytes().size());
 }
 
 TEST_P(BvhFormatTest, AnAlteredFileIsSeen) {
@@ -480,7 +411,7 @@ TEST_P(BvhFormatTest, AnAlteredFileIsSeen) {
   Random random(1);
   for (std::uint32_t format = kOldest; format <= kNewest; ++format) {
     SCOPED_TRACE(format);
-    const AlignedCopy file = File(GetParam(), format);
+    const AlignedCopy file(FileOf(GetParam(), format));
     const auto bytes = file.bytes();
     for (std::size_t at = 0; at < bytes.size();
          at += at < 64 ? 1 : 1 + random() % 32) {
@@ -488,9 +419,11 @@ TEST_P(BvhFormatTest, AnAlteredFileIsSeen) {
       bytes[at] ^= std::byte{1} << random() % 8;
       try {
         for (bool is_in_place : {true, false}) {
-          const auto bvh = Loaded(layout, bytes, is_in_place);
-          EXPECT_FALSE(bvh->tree().Verify()) << at;
-          EXPECT_FALSE(bvh->Copy()->tree().Verify()) << at;
+          const auto bvh = LoadBvh(layout, bytes, is_in_place);
+          // The blob stays what it was made of: this change is refused.
+          EXPECT_THROW(bvh->Erase(0xFFFFFFFE), std::invalid_argument);
+          EXPECT_FALSE(bvh->Verify()) << at;
+          EXPECT_FALSE(bvh->Copy()->Verify()) << at;
         }
       } catch (const std::invalid_argument&) {
         // Refused.
@@ -500,8 +433,8 @@ TEST_P(BvhFormatTest, AnAlteredFileIsSeen) {
     for (std::size_t less : {std::size_t{1}, std::size_t{64}, bytes.size() - 64,
                              bytes.size() - 63, bytes.size() - 1}) {
       const auto cut = bytes.first(bytes.size() - less);
-      EXPECT_REFUSED((Loaded(layout, cut, true)), "InPlace", "blob");
-      EXPECT_REFUSED((Loaded(layout, cut, false)), "FromBlob", "blob");
+      EXPECT_REFUSED((LoadBvh(layout, cut, true)), "InPlace", "blob");
+      EXPECT_REFUSED((LoadBvh(layout, cut, false)), "FromBlob", "blob");
     }
   }
 }
@@ -519,10 +452,10 @@ TEST_P(BvhFormatTest, OtherFormatsAreRefused) {
         Other{kNewest + 1, "format 6, which is newer"},
         Other{0x00FFFFFF, "format 16777215, which is newer"},
         Other{kNewest << 24, "the other byte order"}}) {
-    const AlignedCopy file = File(GetParam(), kNewest);
+    const AlignedCopy file(FileOf(GetParam(), kNewest));
     WriteAt(file.bytes(), kVersionAt, other.version);
     for (bool is_in_place : {false, true}) {
-      EXPECT_REFUSED((Loaded(GetParam().layout, file.bytes(), is_in_place)),
+      EXPECT_REFUSED((LoadBvh(GetParam().layout, file.bytes(), is_in_place)),
                      is_in_place ? "InPlace" : "FromBlob", "blob", expected,
                      other.given);
     }
@@ -540,10 +473,10 @@ TEST(BvhFormatCodesTest, EveryFormatIsRead) {
   bvh->Reserve(4097);
   Objects model;
   for (std::uint32_t id = 0; id < 100; ++id) {
-    bvh->InsertOne(OneObject(kLayout, id));
-    model[id] = {OneObject(kLayout, id).floats[0]};
+    bvh->Insert(Object(kLayout, id));
+    model[id] = {Object(kLayout, id)};
   }
-  const auto newest = bvh->tree().Blob();
+  const auto newest = bvh->Blob();
   EXPECT_EQ(ReadAt<std::uint64_t>(newest, kChecksumAt),
             kChecksums[kNewest - kOldest])
       << "The bytes of a stored BVH have changed, so they are a new format. "
@@ -556,9 +489,9 @@ TEST(BvhFormatCodesTest, EveryFormatIsRead) {
     const AlignedCopy blob(is_newest ? newest : format4);
     WriteAt(blob.bytes(), kVersionAt, format);
     WriteAt(blob.bytes(), kChecksumAt, kChecksums[format - kOldest]);
-    const auto copy = Loaded(kLayout, blob.bytes(), false);
-    const auto in_place = Loaded(kLayout, blob.bytes(), true);
-    EXPECT_EQ(in_place->tree().Blob().data() == blob.bytes().data(), is_newest);
+    const auto copy = LoadBvh(kLayout, blob.bytes(), false);
+    const auto in_place = LoadBvh(kLayout, blob.bytes(), true);
+    EXPECT_EQ(in_place->Blob().data() == blob.bytes().data(), is_newest);
     ExpectIsModelAfterChanges(*copy, model);
     ExpectIsModelAfterChanges(*in_place, model);
   }

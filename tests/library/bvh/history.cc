@@ -102,7 +102,7 @@ void RunOnThreads(std::size_t count, const Runner::Part& part) {
 }
 
 BoundList InDoubles(const Layout& layout, std::vector<Planes> floats) {
-  BoundList list{std::move(floats), {}};
+  BoundList list(std::move(floats));
   for (const Planes& bound : list.floats) {
     auto& doubles = list.doubles.emplace_back();
     for (std::size_t p = 0; p < layout.plane_count; ++p) {
@@ -117,16 +117,6 @@ BoundList InDoubles(const Layout& layout, std::vector<Planes> floats) {
   }
   return list;
 }
-
-namespace {
-
-BoundList OneOf(const BoundList& bounds, std::size_t i) {
-  BoundList one{{bounds.floats[i]}, {}};
-  if (!bounds.doubles.empty()) one.doubles = {bounds.doubles[i]};
-  return one;
-}
-
-}  // namespace
 
 BvhHistory::BvhHistory(const Layout& layout, Choices& choices, std::size_t size,
                        std::size_t most, FpMode mode, CountingMemory* memory)
@@ -184,7 +174,7 @@ std::size_t BvhHistory::Change() {
       });
       const std::size_t limit =
           objects_.empty() ? 0 : std::prev(objects_.end())->first + 1u;
-      EXPECT_EQ(bvh().tree().id_limit(), limit);
+      EXPECT_EQ(bvh().id_limit(), limit);
       break;
     }
     case 12:
@@ -211,9 +201,9 @@ void BvhHistory::ExpectIsModel(const HowToAsk& how, Random& random) const {
     ASSERT_EQ(bvh->size(), objects_.size());
     // Without memory an insertion puts off the sort that is due.
     ASSERT_TRUE(memory_ != nullptr ||
-                std::ranges::equal(bvh->tree().ids(), all_[0]->tree().ids()));
-    ASSERT_LE(bvh->tree().ids().size(), 2 * bvh->size() + 64);
-    ASSERT_TRUE(bvh->tree().Verify());
+                std::ranges::equal(bvh->ids(), all_[0]->ids()));
+    ASSERT_LE(bvh->ids().size(), 2 * bvh->size() + 64);
+    ASSERT_TRUE(bvh->Verify());
   }
   for (const Blob& blob : blobs_) {
     ASSERT_TRUE(std::ranges::equal(blob.bytes->bytes(), blob.untouched));
@@ -234,11 +224,11 @@ BoundList BvhHistory::Bounds(std::size_t count) {
   const bool is_of_doubles =
       layout_.kind == Layout::kAabb && choices_.Below(4) == 0;
   return is_of_doubles ? InDoubles(layout_, std::move(floats))
-                       : BoundList{std::move(floats), {}};
+                       : BoundList(std::move(floats));
 }
 
 std::uint32_t BvhHistory::AnyId() {
-  const std::size_t end = std::min<std::size_t>(bvh().tree().id_limit(), 65536);
+  const std::size_t end = std::min<std::size_t>(bvh().id_limit(), 65536);
   auto it =
       objects_.lower_bound(static_cast<std::uint32_t>(choices_.Below(end)));
   return (it == objects_.end() ? objects_.begin() : it)->first;
@@ -266,7 +256,7 @@ void BvhHistory::Insert(std::size_t count, bool is_list) {
   }
   for (std::size_t i = 0; !is_list && i < count; ++i) {
     Each([&](AnyBvh& bvh) {
-      EXPECT_EQ(bvh.InsertOne(OneOf(bounds, i)), expected[i]);
+      EXPECT_EQ(bvh.Insert(bounds.floats[i]), expected[i]);
     });
   }
   if (!is_list) return;
@@ -280,8 +270,7 @@ void BvhHistory::Insert(std::size_t count, bool is_list) {
 // Free ids, some far beyond the others, in any order.
 void BvhHistory::InsertAs(std::size_t count) {
   const std::size_t far = choices_.Below(8) == 0 ? 30'000 : 300;
-  const std::size_t end =
-      std::min<std::size_t>(bvh().tree().id_limit() + far, 65536);
+  const std::size_t end = std::min<std::size_t>(bvh().id_limit() + far, 65536);
   std::map<std::uint32_t, bool> added;
   Ids ids;
   while (count-- > 0) {
@@ -308,7 +297,7 @@ void BvhHistory::Erase(std::size_t count, bool is_list) {
   }
   if (is_list) return Each([&](AnyBvh& bvh) { bvh.Erase(ids); });
   for (const std::uint32_t id : ids) {
-    Each([&](AnyBvh& bvh) { bvh.EraseOne(id); });
+    Each([&](AnyBvh& bvh) { bvh.Erase(id); });
   }
 }
 
@@ -327,21 +316,20 @@ void BvhHistory::Set(std::size_t count, std::size_t how) {
   }
   BoundList by_id;
   if (how == 2) {
-    by_id.floats.assign(bvh().tree().id_limit(), EverythingOf(layout_));
+    by_id.floats.assign(bvh().id_limit(), EverythingOf(layout_));
     for (const std::uint32_t id : ids) by_id.floats[id] = objects_.at(id).bound;
   }
   if (how == 1) return Each([&](AnyBvh& bvh) { bvh.Set(ids, bounds); });
-  if (how == 2) return Each([&](AnyBvh& bvh) { bvh.RefitSome(ids, by_id); });
+  if (how == 2) return Each([&](AnyBvh& bvh) { bvh.Refit(ids, by_id); });
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    Each([&](AnyBvh& bvh) { bvh.SetOne(ids[i], OneOf(bounds, i)); });
+    Each([&](AnyBvh& bvh) { bvh.Set(ids[i], bounds.floats[i]); });
   }
 }
 
 void BvhHistory::RefitAll() {
   const bool is_in_order = choices_.Below(2) == 0;
-  const auto places = bvh().tree().ids();
-  const std::size_t size =
-      is_in_order ? places.size() : bvh().tree().id_limit();
+  const auto places = bvh().ids();
+  const std::size_t size = is_in_order ? places.size() : bvh().id_limit();
   BoundList bounds = Bounds(size);
   for (std::size_t i = 0; i < size; ++i) {
     const auto id = is_in_order ? places[i] : static_cast<std::uint32_t>(i);
@@ -350,13 +338,7 @@ void BvhHistory::RefitAll() {
     it->second.bound = bounds.floats[i];
     changed_.push_back(id);
   }
-  Each([&](AnyBvh& bvh) {
-    if (is_in_order) {
-      bvh.RefitInOrder(bounds, RunnerOf(bvh));
-    } else {
-      bvh.Refit(bounds, RunnerOf(bvh));
-    }
-  });
+  Each([&](AnyBvh& bvh) { bvh.Refit(bounds, !is_in_order, RunnerOf(bvh)); });
 }
 
 // Of some objects, or of all.
@@ -365,11 +347,11 @@ void BvhHistory::SetMasks(std::size_t count) {
     for (const std::uint32_t id : AnyIds(count)) {
       const auto masks = std::uint32_t{1} << choices_.Below(3);
       objects_.at(id).masks = masks;
-      Each([&](AnyBvh& bvh) { bvh.SetMask(id, masks); });
+      Each([&](AnyBvh& bvh) { bvh.SetMasks(id, masks); });
     }
     return;
   }
-  Ids masks(bvh().tree().id_limit());
+  Ids masks(bvh().id_limit());
   for (auto& [id, object] : objects_) {
     masks[id] = object.masks = static_cast<std::uint32_t>(choices_.Below(8));
   }
@@ -381,14 +363,14 @@ void BvhHistory::ReserveOrClear(std::size_t count) {
     for (const auto& [id, object] : objects_) changed_.push_back(id);
     objects_.clear();
     Each([](AnyBvh& bvh) { bvh.Clear(); });
-    EXPECT_EQ(bvh().tree().id_limit(), 0u);
+    EXPECT_EQ(bvh().id_limit(), 0u);
   }
   Each([&](AnyBvh& bvh) { bvh.Reserve(objects_.size() + count); });
   std::vector<std::size_t> bytes;
-  for (const auto& bvh : all_) bytes.push_back(bvh->tree().bytes());
+  for (const auto& bvh : all_) bytes.push_back(bvh->bytes());
   Insert(count, choices_.Below(2) == 0);
   for (std::size_t i = 0; i < all_.size(); ++i) {
-    EXPECT_EQ(all_[i]->tree().bytes(), bytes[i]) << "reserved too little";
+    EXPECT_EQ(all_[i]->bytes(), bytes[i]) << "reserved too little";
   }
 }
 
@@ -396,17 +378,18 @@ void BvhHistory::ReserveOrClear(std::size_t count) {
 void BvhHistory::CopyOrLoad() {
   all_.resize(1);
   const std::size_t how = choices_.Below(3);
-  const auto blob = bvh().tree().Blob();
+  const auto blob = bvh().Blob();
   const MemoryResource memory =
       memory_ == nullptr ? MemoryResource() : memory_->resource();
   if (how == 0) {
     all_.push_back(bvh().Copy());
   } else if (how == 1) {
-    all_.push_back(all_[0]->Loaded(blob, false, memory));
+    all_.push_back(LoadBvh(layout_, blob, false, memory));
   } else {
     blobs_.push_back(
         {std::make_unique<AlignedCopy>(blob), {blob.begin(), blob.end()}});
-    all_.push_back(all_[0]->Loaded(blobs_.back().bytes->bytes(), true, memory));
+    all_.push_back(
+        LoadBvh(layout_, blobs_.back().bytes->bytes(), true, memory));
   }
 }
 
@@ -417,7 +400,7 @@ void BvhHistory::RefuseLists(std::size_t count) {
   const std::size_t at = choices_.Below(count + 1);
   const bool is_insertion = choices_.Below(2) == 0;
   if (is_insertion) {  // among ids that are free
-    const auto limit = static_cast<std::uint32_t>(bvh().tree().id_limit());
+    const auto limit = static_cast<std::uint32_t>(bvh().id_limit());
     for (std::uint32_t& id : ids)
       id = limit + static_cast<std::uint32_t>(&id - ids.data());
   }

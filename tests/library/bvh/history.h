@@ -72,14 +72,14 @@ class BvhHistory {
         RunIn(mode_, [&] { call(*bvh); });
         continue;
       }
-      const auto blob = bvh->tree().Blob();
+      const auto blob = bvh->Blob();
       const std::vector<std::byte> before(blob.begin(), blob.end());
       FailuresOf(
           *memory_, [&] { call(*bvh); },
           [&] {
             // What was taken from it stays valid.
-            EXPECT_EQ(bvh->tree().Blob().data(), blob.data());
-            EXPECT_TRUE(std::ranges::equal(bvh->tree().Blob(), before));
+            EXPECT_EQ(bvh->Blob().data(), blob.data());
+            EXPECT_TRUE(std::ranges::equal(bvh->Blob(), before));
           });
     }
   }

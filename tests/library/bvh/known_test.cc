@@ -77,6 +77,8 @@ TEST(BvhKnownTest, ShapesRejectWhatTheirBoundsKeep) {
   const HalfSpace3 half_spaces[] = {{{1, 0, 0}, -6}, {{0, -1, 0}, 6}};
   EXPECT_EQ(found(half_spaces), (Ids{1, 3}));
   EXPECT_EQ(found(Span<const HalfSpace3>(half_spaces)), (Ids{1, 3}));
+  const HalfSpace3 huge = {{0x1p124f, 0, 0}, -0x1.8p126f};  // the first one
+  EXPECT_EQ(found(std::vector<HalfSpace3>(1, huge)), (Ids{1, 2, 3}));
   EXPECT_EQ(found(std::vector<HalfSpace3>()), (Ids{0, 1, 2, 3}));
   EXPECT_EQ(found(Point3{10, 1, 0.5f}), Ids{1});
   EXPECT_EQ(found(Point3{10, 1.0001f, 0.5f}), Ids{});
@@ -284,6 +286,37 @@ TEST(BvhBoxesTest, AreReadInPlace) {
   AabbBvh3 refitted = expected;
   refitted.Refit(rounded);
   EXPECT_TRUE(are_same(of_boxes, refitted));
+  std::vector<Aabb3> in_order;
+  for (std::uint32_t id : expected.ids()) in_order.push_back(rounded[id]);
+  AabbBvh3 refitted_in_order = expected;
+  refitted_in_order.RefitInOrder(in_order);
+  EXPECT_TRUE(are_same(refitted_in_order, refitted));
+}
+
+TEST(BvhBoxesTest, ChangesByDoublesAreThoseByTheFloatsAround) {
+  std::vector<Aabb<3, double>> doubles(300);
+  std::vector<Aabb3> floats;
+  for (std::size_t i = 0; i < doubles.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      doubles[i].min[k] = static_cast<double>(i * (k + 1)) / 7;
+      doubles[i].max[k] = doubles[i].min[k] + 0.3;
+    }
+    floats.push_back(RoundOutward(doubles[i]));
+  }
+  const auto changed_by = [](const auto& boxes) {
+    AabbBvh3 bvh;
+    Ids ids(boxes.size());
+    bvh.Insert(boxes, ids);
+    EXPECT_EQ(bvh.Insert(boxes[7]), boxes.size());
+    bvh.Set(9, boxes[8]);
+    std::reverse(ids.begin(), ids.end());
+    bvh.Set(ids, boxes);
+    for (std::uint32_t& id : ids) id += 500;
+    bvh.InsertAs(ids, boxes);
+    return bvh;
+  };
+  EXPECT_TRUE(std::ranges::equal(changed_by(doubles).Blob(),
+                                 changed_by(floats).Blob()));
 }
 
 }  // namespace

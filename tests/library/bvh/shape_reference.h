@@ -134,6 +134,11 @@ class ShapeReference {
     const float* const n = shape.numbers.data();
     if (shape.kind == Shape::kHalfSpaces) {
       for (std::size_t i = 0; i < shape.numbers.size(); i += kDims + 1) {
+        // One that is unusable keeps every object, also those that are Empty().
+        if (!std::all_of(n + i, n + i + kDims + 1,
+                         [](float x) { return std::isfinite(x); })) {
+          continue;
+        }
         half_spaces_.push_back(
             detail::MakeHalfSpaceTest(layout_, n + i, n[i + kDims]));
       }
