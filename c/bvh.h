@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <type_traits>
 
 #include "c/call.h"
 #include "c/columns.h"
@@ -28,6 +29,12 @@ struct hs_bvh {
 };
 
 namespace halfspace::c {
+
+template <typename World>
+constexpr bool kIsBvh = std::is_same_v<World, hs_bvh>;
+// The name of an argument that is a BVH or a broad phase.
+template <typename World>
+constexpr const char* kName = kIsBvh<World> ? "bvh" : "bodies";
 
 detail::BvhType TypeOf(const PlaneLayout& layout);
 // Fails for simplices.

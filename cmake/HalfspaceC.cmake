@@ -8,22 +8,12 @@ foreach(dims 2 3)
       "them off.")
   endif()
 endforeach()
-target_sources(halfspace
-  PRIVATE
-    c/bounds.cc
-    c/broad_phase.cc
-    c/builder.cc
-    c/bvh.cc
-    c/bvh_files.cc
-    c/files.cc
-    c/pair_events.cc
-    c/queries.cc
-    c/call.cc
-    c/columns.cc
-    c/scan.cc)
+set(sources bounds broad_phase builder bvh bvh_files call columns files pair_events pairs
+  queries scan)
+list(TRANSFORM sources REPLACE "(.+)" "c/\\1.cc")
+target_sources(halfspace PRIVATE ${sources})
 # As fast as with -O3, in four fifths of the code.
 if(NOT MSVC AND NOT HALFSPACE_UNITY)
-  set_property(SOURCE c/bounds.cc c/broad_phase.cc c/builder.cc c/bvh.cc c/bvh_files.cc c/files.cc
-    c/pair_events.cc c/queries.cc c/call.cc c/columns.cc c/scan.cc
+  set_property(SOURCE ${sources}
     APPEND PROPERTY COMPILE_OPTIONS $<$<CONFIG:Release>:-O2>)
 endif()
