@@ -81,12 +81,6 @@ Ids IdsUpTo(std::uint32_t count) {
   return ids;
 }
 
-std::vector<Aabb3> Some(std::size_t count, Spread<AabbView3>& spread) {
-  std::vector<Aabb3> boxes(count);
-  for (Aabb3& box : boxes) box = spread.NextObject();
-  return boxes;
-}
-
 template <typename Query>
 Ids FoundIn(const Bodies& bodies, const Query& query) {
   Ids ids(bodies.size());
@@ -211,6 +205,17 @@ TEST(BroadPhaseErrorsTest, FunctionsMayThrow) {
   EXPECT_EQ(bodies.pairs().size(), 400u * 399 / 2 + 200u * 199 / 2);
 }
 
+struct Many {
+  explicit Many(std::uint32_t count, float radius = 0.5f)
+      : spread(radius), ids(IdsUpTo(count)), boxes(spread.Some(count)) {
+    bodies.Insert(ids, boxes);
+  }
+  Spread<> spread;
+  Ids ids;
+  std::vector<Aabb3> boxes;
+  Bodies bodies;
+};
+
 // Bodies of the tree in its order.
 Ids OrderOf(const Bodies& bodies) {
   Ids ids(bodies.size());
@@ -222,17 +227,14 @@ Ids OrderOf(const Bodies& bodies) {
 // bodies that changed, and not on how often they were copied into the tree.
 TEST(BroadPhaseBudgetTest, TheOrderDependsOnChangesAlone) {
   constexpr std::uint32_t kCount = 6'000;
-  Spread<AabbView3> spread(0.2f);
-  std::vector<Aabb3> boxes = Some(kCount, spread);
-  const Ids ids = IdsUpTo(kCount);
-  Bodies with_updates_alone;
-  with_updates_alone.Insert(ids, boxes);
+  Many many(kCount, 0.2f);
+  auto& [spread, ids, boxes, with_updates_alone] = many;
   Bodies with_queries(with_updates_alone);
   Bodies saved(with_updates_alone);
   for (int frame = 0; frame < 60; ++frame) {
     const Ids some = {ids.begin() + frame * 40, ids.begin() + frame * 40 + 400};
     for (int pass = 0; pass < 2; ++pass) {
-      const std::vector<Aabb3> moved = Some(some.size(), spread);
+      const std::vector<Aabb3> moved = spread.Some(some.size());
       for (Bodies* bodies : {&with_updates_alone, &with_queries, &saved}) {
         bodies->Move(some, moved);
       }
@@ -240,7 +242,7 @@ TEST(BroadPhaseBudgetTest, TheOrderDependsOnChangesAlone) {
       saved.Load(BytesOf(CoreOf(saved)));
       // Others come and go, into leaves that have moved.
       const Ids others = {ids.end() - 50, ids.end()};
-      const std::vector<Aabb3> new_boxes = Some(others.size(), spread);
+      const std::vector<Aabb3> new_boxes = spread.Some(others.size());
       for (Bodies* bodies : {&with_updates_alone, &with_queries, &saved}) {
         bodies->Erase(others);
         bodies->Insert(others, new_boxes);
@@ -256,13 +258,10 @@ TEST(BroadPhaseBudgetTest, TheOrderDependsOnChangesAlone) {
 
 TEST(BroadPhaseBudgetTest, LimitsHowManyAreSortedAgain) {
   constexpr std::uint32_t kCount = 40'000;
-  Bodies bodies;
-  Spread<AabbView3> spread(0.5f);
-  std::vector<Aabb3> boxes = Some(kCount, spread);
-  const Ids ids = IdsUpTo(kCount);
-  bodies.Insert(ids, boxes);
+  Many many(kCount);
+  auto& [spread, ids, boxes, bodies] = many;
   EXPECT_EQ(bodies.Statistics().cost_ratio, 1);
-  bodies.Move(ids, Some(kCount, spread));
+  bodies.Move(ids, spread.Some(kCount));
   const Ids sorted = OrderOf(bodies);
   const auto differ = [](const Ids& a, const Ids& b) {
     std::size_t count = 0;
@@ -297,18 +296,15 @@ TEST(BroadPhaseBudgetTest, LimitsHowManyAreSortedAgain) {
 // Ten times as many erasures and insertions as bodies.
 TEST(BroadPhaseBudgetTest, TheOrderDoesNotDecay) {
   constexpr std::uint32_t kCount = 10'000;
-  Bodies bodies;
-  Spread<AabbView3> spread(0.5f);
-  std::vector<Aabb3> boxes = Some(kCount, spread);
-  const Ids ids = IdsUpTo(kCount);
-  bodies.Insert(ids, boxes);
+  Many many(kCount);
+  auto& [spread, ids, boxes, bodies] = many;
   Random random(1);
   for (std::size_t frame = 0; frame < 200; ++frame) {
     Ids some;
     std::vector<Aabb3> others;
     for (std::size_t first = random() % 20; first < kCount; first += 20) {
       some.push_back(ids[first]);
-      others.push_back(spread.NextObject());
+      others.push_back(spread.Next());
     }
     bodies.Erase(some);
     bodies.Insert(some, others);
@@ -321,10 +317,8 @@ TEST(BroadPhaseBudgetTest, TheOrderDoesNotDecay) {
 // order, and so do the next ones, although one body moves before each of them.
 TEST(BroadPhaseBudgetTest, AFewFarMovesAreSortedInTheEnd) {
   constexpr std::uint32_t kCount = 40'000;
-  Bodies bodies;
-  Spread<AabbView3> spread(0.5f);
-  std::vector<Aabb3> boxes = Some(kCount, spread);
-  bodies.Insert(IdsUpTo(kCount), boxes);
+  Many many(kCount);
+  auto& [spread, ids, boxes, bodies] = many;
   for (std::uint32_t id = 0; id < 600; ++id) {
     bodies.Move(id, boxes[kCount - 1 - id]);
   }
@@ -342,6 +336,7 @@ TEST(BroadPhaseBudgetTest, AFewFarMovesAreSortedInTheEnd) {
   EXPECT_LT(bodies.Statistics().cost_ratio, 2);
 }
 
+// The C API passes on what most calls refuse: tests/c/errors_test.c.
 TEST(BroadPhaseErrorsTest, SayWhatWasWrong) {
   Bodies bodies;
   bodies.Insert(1, kUnit);
@@ -349,13 +344,8 @@ TEST(BroadPhaseErrorsTest, SayWhatWasWrong) {
   const std::vector<Aabb3> boxes(2, kUnit);
   const std::vector<BodyMasks> masks(2);
   const std::vector<std::byte> of_others = BytesOf(CoreOf(AaboBroadPhase3()));
-  EXPECT_REFUSED((bodies.Insert(Ids{2, 0x80000000}, boxes)),
-                 "BroadPhase::Insert", "ids[1]", "below 2^31",
-                 "got 2147483648");
   EXPECT_REFUSED((bodies.Insert(Ids{2, 1}, boxes)), "BroadPhase::Insert",
                  "ids[1]", "no body has", "got 1");
-  EXPECT_REFUSED((bodies.Insert(Ids{2, 2}, boxes)), "BroadPhase::Insert",
-                 "ids[1]", "once in the list", "got 2");
   EXPECT_REFUSED((bodies.Insert(Ids{2}, boxes)), "BroadPhase::Insert", "bounds",
                  "1", "got 2");
   EXPECT_REFUSED((bodies.Insert(Ids{2}, {&kUnit, 1}, masks)),
@@ -370,20 +360,11 @@ TEST(BroadPhaseErrorsTest, SayWhatWasWrong) {
                  "got 4000000000");
   EXPECT_REFUSED((bodies.Erase({nullptr, 3})), "BroadPhase::Erase", "ids", "3",
                  "a null pointer");
-  EXPECT_REFUSED((bodies.SetMasks(ids, masks)), "BroadPhase::SetMasks",
-                 "ids[1]", "a body", "got 2");
   EXPECT_REFUSED((bodies.Get(2)), "BroadPhase::Get", "a body", "got 2");
   EXPECT_REFUSED((bodies.MasksOf(10)), "BroadPhase::MasksOf", "a body",
                  "got 10");
-  EXPECT_REFUSED((PairsOf(bodies, ids, {})), "PairsOf", "ids[1]", "a body",
-                 "got 2");
-  EXPECT_REFUSED((CountSurvivors(bodies, Sphere3{{0, 0, 0}, -1})),
-                 "CountSurvivors", "radius", "-1");
-  EXPECT_REFUSED((BoxCast(bodies, kUnit, {1, 0, 0}, -1, [](auto...) {})),
-                 "BoxCast", "max_t", "-1");
   EXPECT_REFUSED((KNearest(bodies, Point<3>{}, {}, {}, -1)), "KNearest",
                  "max_distance", "-1");
-  EXPECT_REFUSED((bodies.Load({})), "BroadPhase::Load", "bytes", "0 bytes");
   EXPECT_REFUSED((bodies.Load(of_others)), "BroadPhase::Load", "bytes",
                  "of this type");
   // With a handler of errors, right calls are right.
@@ -407,7 +388,9 @@ TEST(BroadPhaseSaveTest, AlteredBytesDoNoHarm) {
   Choices maker(kLayout, random);
   Bodies bodies;
   for (std::uint32_t id = 0; id < 150; ++id) {
-    bodies.Insert(3 * id, BoxOf(maker.Next()), maker.Masks());
+    const Planes b = maker.Next();
+    bodies.Insert(3 * id, {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}},
+                  maker.Masks());
   }
   bodies.UpdatePairs();
   bodies.Erase(Ids{3, 9, 27});
@@ -471,9 +454,9 @@ TEST(BroadPhaseMemoryTest, TakesWhatTheHeaderSays) {
   constexpr std::uint32_t kCount = 20'000;
   Bodies bodies(options);
   EXPECT_LT(bodies.Statistics().bytes, 7000u);
-  Spread<AabbView3> spread(0.1f);
+  Spread spread(0.1f);
   const Ids ids = IdsUpTo(kCount);
-  std::vector<Aabb3> boxes = Some(kCount, spread);
+  std::vector<Aabb3> boxes = spread.Some(kCount);
   bodies.Insert(ids, boxes);
   const auto expect = [&](std::size_t most) {
     const BroadPhaseStatistics statistics = bodies.Statistics();

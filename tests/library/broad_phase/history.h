@@ -71,9 +71,6 @@ inline Planes PlanesOf(const Aabb3& box) {
   return {box.min[0], box.min[1], box.min[2],
           box.max[0], box.max[1], box.max[2]};
 }
-inline Aabb3 BoxOf(const Planes& planes) {
-  return {{planes[0], planes[1], planes[2]}, {planes[3], planes[4], planes[5]}};
-}
 
 // A filter: some pairs in spite of their masks, and some not.
 inline bool KeepsSome(void* /*context*/, std::uint32_t a, std::uint32_t b,
@@ -101,7 +98,6 @@ class BodyHistory {
               FpMode mode = FpMode::kDefault, CountingMemory* memory = nullptr);
 
   const AnyBodies& bodies() const { return all_[0]; }
-  const BodyModel& model() const { return model_; }
 
   void Insert(std::size_t count);
   void Move(std::size_t count);

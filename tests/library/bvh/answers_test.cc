@@ -200,52 +200,27 @@ TEST_P(BvhShapesTest, NeverRejectWhatTouches) {
     };
     Exact a{};
     Exact b{};
+    Exact low{};
+    Exact high{};
     for (std::size_t k = 0; k < dims; ++k) {
       a[k] = integer(round % 2 == 0 ? 1000 : 100'000);
       b[k] = random() % 4 == 0 ? a[k] : integer(100'000);
+      low[k] = std::min(a[k], b[k]);
+      high[k] = std::max(a[k], b[k]);
     }
-    // A corner of the sphere with radius 13 or 5.
     const double size = static_cast<double>(random() % 5'000);
-    const double radius = size * (dims == 3 ? 13 : 5);
-    constexpr Exact kCorner = {3, 4, 12};
-    // A point, which the bound may exceed in directions that do not matter.
-    const auto bound_of = [&](const Exact& p) {
-      Planes bound{};
-      double sum = 0;
-      for (std::size_t k = 0; k < dims; ++k) sum -= p[k];
-      const std::uint64_t more = random() % 4 == 0 ? 0 : random();
-      for (std::size_t v = 0; v < layout.plane_count; ++v) {
-        const std::size_t k = v % layout.axes;
-        double value = k < dims ? p[k] : sum;
-        if ((more >> v & 1) != 0) {
-          value += IsMin(layout, v) ? -size - 50 : size + 50;
-        }
-        const auto rounded = static_cast<float>(std::ldexp(value, exponent));
-        // Of sums that have too many bits.
-        bound[v] = std::ldexp(double{rounded}, -exponent) == value ? rounded
-                   : IsMin(layout, v) ? std::nextafter(rounded, -kInf)
-                                      : std::nextafter(rounded, kInf);
-      }
-      return bound;
-    };
     // The numbers of points, and of a radius.
     const auto of = [&](std::initializer_list<Exact> points,
-                        std::optional<double> its_radius = {}) {
+                        std::optional<double> radius = {}) {
       std::vector<float> numbers;
       for (const Exact& p : points) {
         for (std::size_t k = 0; k < dims; ++k) numbers.push_back(scaled(p[k]));
       }
-      if (its_radius) numbers.push_back(scaled(*its_radius));
+      if (radius) numbers.push_back(scaled(*radius));
       return numbers;
     };
-    Exact low{};
-    Exact high{};
-    for (std::size_t k = 0; k < dims; ++k) {
-      low[k] = std::min(a[k], b[k]);
-      high[k] = std::max(a[k], b[k]);
-    }
-    const Shape point{Shape::kPoint, of({a})};
-    const Shape segment{Shape::kSegment, of({a, b})};
+    // Of a sphere with corners at 3, 4 and 12, or at 3 and 4.
+    const double radius = size * (dims == 3 ? 13 : 5);
     const Shape sphere{Shape::kSphere, of({a}, radius)};
     const Shape capsule{Shape::kCapsule, of({a, b}, radius)};
     const Shape rounded{Shape::kRoundedBox, of({low, high}, radius)};
@@ -269,43 +244,31 @@ TEST_P(BvhShapesTest, NeverRejectWhatTouches) {
       }
       fronts.numbers.push_back(scaled(offset));
     }
-    std::vector<Planes> in_box;
-    std::vector<Planes> on_segment;
-    std::vector<Planes> on_capsule;
-    std::vector<Planes> on_sphere;
-    std::vector<Planes> on_rounded;
-    std::vector<Planes> on_point(150);
-    for (Planes& bound : on_point) {
-      // A corner of a box with axes at any angles.
-      Exact corner = a;
-      for (std::size_t axis = 0; axis < dims; ++axis) {
-        const double side = random() % 2 == 0 ? 2 : -2;
-        for (std::size_t k = 0; k < dims; ++k) {
-          corner[k] += side * box_axes[axis][k];
+    // The bound of a point, which it may exceed in directions that do not
+    // matter.
+    const auto bound_of = [&](const Exact& p) {
+      Planes bound{};
+      double sum = 0;
+      for (std::size_t k = 0; k < dims; ++k) sum -= p[k];
+      const std::uint64_t more = random() % 4 == 0 ? 0 : random();
+      for (std::size_t v = 0; v < layout.plane_count; ++v) {
+        const std::size_t k = v % layout.axes;
+        double value = k < dims ? p[k] : sum;
+        if ((more >> v & 1) != 0) {
+          value += IsMin(layout, v) ? -size - 50 : size + 50;
         }
+        const auto nearest = static_cast<float>(std::ldexp(value, exponent));
+        // Of sums that have too many bits.
+        bound[v] = std::ldexp(double{nearest}, -exponent) == value ? nearest
+                   : IsMin(layout, v) ? std::nextafter(nearest, -kInf)
+                                      : std::nextafter(nearest, kInf);
       }
-      in_box.push_back(bound_of(corner));
-      const double t = static_cast<double>(random() % 17) / 16;
-      Exact along{};
-      Exact beside{};
-      Exact on_ball{};
-      Exact on_corner{};
-      for (std::size_t k = 0; k < dims; ++k) {
-        const double away = (random() % 2 == 0 ? size : -size) *
-                            kCorner[(k + in_box.size()) % dims];
-        along[k] = a[k] + t * (b[k] - a[k]);
-        beside[k] = along[k] + away;
-        on_ball[k] = a[k] + away;
-        on_corner[k] = away + (away < 0 ? low : high)[k];
-      }
-      on_segment.push_back(bound_of(along));
-      on_capsule.push_back(bound_of(beside));
-      on_sphere.push_back(bound_of(on_ball));
-      on_rounded.push_back(bound_of(on_corner));
-      bound = bound_of(a);
-    }
-    const auto expect_all = [&](const std::vector<Planes>& bounds,
-                                const Shape& shape) {
+      return bound;
+    };
+    // Objects at points that next() returns.
+    const auto expect_keeps = [&](const Shape& shape, const auto& next) {
+      std::vector<Planes> bounds(150);
+      for (Planes& bound : bounds) bound = bound_of(next());
       const auto bvh = MakeBvh(layout, bounds);
       for (Target target : TargetsUnderTest()) {
         for (FpMode mode : kFpModes) {
@@ -319,14 +282,46 @@ TEST_P(BvhShapesTest, NeverRejectWhatTouches) {
         }
       }
     };
-    expect_all(in_box, box);
-    expect_all(on_segment, segment);
-    expect_all(on_segment, capsule);
-    expect_all(on_capsule, capsule);
-    expect_all(on_sphere, sphere);
-    expect_all(on_rounded, rounded);
-    expect_all(on_point, point);
-    expect_all(on_point, fronts);
+    const auto at_a = [&] { return a; };
+    const auto along = [&] {
+      const double t = static_cast<double>(random() % 17) / 16;
+      Exact point{};
+      for (std::size_t k = 0; k < dims; ++k)
+        point[k] = a[k] + t * (b[k] - a[k]);
+      return point;
+    };
+    // A corner of a sphere around a point. `far` is where it is above the
+    // point.
+    const auto around = [&](const Exact& point, const Exact& far) {
+      constexpr Exact kCorner = {3, 4, 12};
+      const std::size_t first = random() % dims;
+      Exact corner{};
+      for (std::size_t k = 0; k < dims; ++k) {
+        const double away = size * kCorner[(k + first) % dims];
+        corner[k] = random() % 2 == 0 ? far[k] + away : point[k] - away;
+      }
+      return corner;
+    };
+    expect_keeps(box, [&] {
+      Exact corner = a;
+      for (std::size_t axis = 0; axis < dims; ++axis) {
+        const double side = random() % 2 == 0 ? 2 : -2;
+        for (std::size_t k = 0; k < dims; ++k) {
+          corner[k] += side * box_axes[axis][k];
+        }
+      }
+      return corner;
+    });
+    expect_keeps({Shape::kSegment, of({a, b})}, along);
+    expect_keeps(capsule, along);
+    expect_keeps(capsule, [&] {
+      const Exact point = along();
+      return around(point, point);
+    });
+    expect_keeps(sphere, [&] { return around(a, a); });
+    expect_keeps(rounded, [&] { return around(low, high); });
+    expect_keeps({Shape::kPoint, of({a})}, at_a);
+    expect_keeps(fronts, at_a);
     if (HasFatalFailure()) return;
   }
 }

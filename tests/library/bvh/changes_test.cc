@@ -435,9 +435,9 @@ TEST(BvhOrderTest, ALeafHasNeighboursOnALine) {
 
 TEST(BvhOrderTest, TheCostRatioIsInfiniteOnlyBeforeTheFirstOrder) {
   AabbBvh3 bvh;
-  Spread<AabbView3> spread(1.0f);
+  Spread spread(1.0f);
   for (std::size_t size = 1; size <= 300; ++size) {
-    bvh.Insert(spread.NextObject());
+    bvh.Insert(spread.Next());
     const double ratio = bvh.CostRatio();
     if (size <= 64) {
       EXPECT_EQ(ratio, 1.0);
@@ -452,15 +452,15 @@ TEST(BvhOrderTest, TheCostRatioIsInfiniteOnlyBeforeTheFirstOrder) {
   bvh.Clear();
   EXPECT_EQ(bvh.RebuildPartial(100), 0u);
   // The newest objects are sorted, and the others have moved.
-  AabbBvh3 moved(spread.Objects(3000));
+  AabbBvh3 moved(spread.Some(3000));
   for (std::uint32_t id = 0; id < 3000; ++id) {
-    moved.Set(id, spread.NextObject());
+    moved.Set(id, spread.Next());
   }
   const double ratio = moved.CostRatio();
-  for (int i = 0; i < 257; ++i) moved.Insert(spread.NextObject());
+  for (int i = 0; i < 257; ++i) moved.Insert(spread.Next());
   EXPECT_GT(moved.CostRatio(), ratio / 2);
   // Half of the objects in as many leaves.
-  AabbBvh3 half(spread.Objects(10'000));
+  AabbBvh3 half(spread.Some(10'000));
   for (std::uint32_t id = 0; id < 10'000; id += 2) half.Erase(id);
   EXPECT_NEAR(half.CostRatio(), 2.0, 0.2);
   EXPECT_EQ(half.RebuildPartial(12'288), 5000u);
@@ -492,9 +492,8 @@ TEST(RunnerTest, CallsAnyFunctionObject) {
 // The bytes beyond the planes of floats that a BVH of boxes may have,
 // ids and permutation included.
 TEST(BvhMemoryTest, IsAtMostThreeQuartersOfTheFloats) {
-  const AabbWorld3 world = Spread<AabbView3>(1.0f).Objects(200'000);
   CountingMemory memory;
-  const AabbBvh3 bvh(world, {.memory = memory.resource()});
+  const AabbBvh3 bvh(Spread(1.0f).Some(200'000), {.memory = memory.resource()});
   EXPECT_EQ(memory.blocks, 1u);
   EXPECT_LE(static_cast<double>(bvh.bytes()), 1.75 * 24.0 * 200'000);
 }
@@ -523,8 +522,7 @@ TEST(BvhMemoryTest, FollowsTheGreatestId) {
 }
 
 TEST(BvhMemoryTest, CopiesMovesAndSwaps) {
-  const AabbWorld3 world = Spread<AabbView3>(4.0f).Objects(1000);
-  AabbBvh3 first(world);
+  AabbBvh3 first(Spread(4.0f).Some(1000));
   const AabbBvh3 copy(first);
   const auto is_whole = [&](const AabbBvh3& bvh) {
     return std::ranges::equal(bvh.Blob(), copy.Blob());

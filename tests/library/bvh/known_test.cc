@@ -29,9 +29,8 @@ TEST(BvhKnownTest, TellsTheFirstLeafAtOnce) {
   for (std::size_t size : {64u, 4000u, 20'000u, 10'000u}) {
     const bool are_same = size == 10'000;
     const Aabb3 all = are_same ? kOne : Aabb3::Everything();
-    const AabbBvh3 bvh = are_same
-                             ? AabbBvh3(std::vector<Aabb3>(size, kOne))
-                             : AabbBvh3(Spread<AabbView3>(1.0f).Objects(size));
+    const AabbBvh3 bvh = are_same ? AabbBvh3(std::vector<Aabb3>(size, kOne))
+                                  : AabbBvh3(Spread(1.0f).Some(size));
     const std::size_t leaves = (size + 63) / 64;
     for (Target target : TargetsUnderTest()) {
       QueryStatistics read;
@@ -102,7 +101,7 @@ TEST(BvhKnownTest, ShapesRejectWhatTheirBoundsKeep) {
 // The function runs in the caller's floating-point mode, and may change it. Its
 // exceptions end the call.
 TEST(BvhKnownTest, RunsTheFunctionInTheCallersMode) {
-  const AabbBvh3 bvh(Spread<AabbView3>(4.0f).Objects(2000));
+  const AabbBvh3 bvh(Spread(4.0f).Some(2000));
   const Ray3 ray = {{-60, -50, -50}, {1, 1, 1}, 100};
   std::vector<float> expected;
   RayCast(bvh, ray, [&](std::uint32_t, float t) { expected.push_back(t); });
@@ -167,7 +166,7 @@ TEST(BvhKnownTest, FunctionsSayWhetherACallGoesOn) {
 // Sets in a world of more blocks than the sets have room for: near each other,
 // far apart, and at distances that are powers of two.
 TEST(BvhPairsTest, OfSetsAmongManyAreThoseOfAllPairsThatTouchTheSet) {
-  const AabbWorld3 world = Spread<AabbView3>(1.5f).Objects(64 * 1024);
+  const std::vector<Aabb3> world = Spread(1.5f).Some(64 * 1024);
   AabbBvh3 bvh(world, {.quality = BuildQuality::kFast});
   std::vector<IdPair> all(Pairs(bvh, Span<IdPair>()));
   ASSERT_EQ(Pairs(bvh, all), all.size());

@@ -291,14 +291,14 @@ void ExpectKnownAnswers(Target target) {
     sorted.Add(answers.size());
     answers.clear();
   };
-  Spread<View> spread(1.0f, 5);
+  Spread<Bound> spread(1.0f, 5);
   Random random(6);
   BroadPhase<View> bodies;
   Ids ids;
   std::vector<Bound> bounds;
   for (std::uint32_t id = 0; id < kBodies; ++id) {
     ids.push_back(3 * id);
-    bounds.push_back(spread.NextObject());
+    bounds.push_back(spread.Next());
   }
   bodies.Insert(ids, bounds);
   for (std::size_t step = 0; step < 40; ++step) {
@@ -312,7 +312,7 @@ void ExpectKnownAnswers(Target target) {
         bounds[body].min[k] += way;
         bounds[body].max[k] += way;
       }
-      if (random() % 16 == 0) bounds[body] = spread.NextObject();
+      if (random() % 16 == 0) bounds[body] = spread.Next();
       some.push_back(ids[body]);
       moved.push_back(bounds[body]);
     }
@@ -326,8 +326,8 @@ void ExpectKnownAnswers(Target target) {
     }
     if (step % 3 == 0) bodies.Update();
     if (step == 20) bodies.Rebuild();
-    Spread<View> queries(4.0f * static_cast<float>(step % 3), step);
-    ForEachSurvivor(bodies, queries.NextQuery(), add, {.target = target});
+    Spread<Bound> queries(4.0f * static_cast<float>(step % 3), step);
+    ForEachSurvivor(bodies, queries.Next(), add, {.target = target});
     // The walk of one bound has another order in plain code (bvh.h).
     std::sort(answers.begin(), answers.end());
     end_call();

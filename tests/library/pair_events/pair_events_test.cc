@@ -8,7 +8,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <new>
 #include <random>
@@ -101,9 +100,7 @@ struct Crowd {
   Crowd() { bvh.Reserve(bvh.size()); }
 
   static std::vector<Aabb3> Boxes() {
-    Spread<AabbView3> spread(1.2f);
-    std::vector<Aabb3> boxes(6000);
-    for (Aabb3& box : boxes) box = spread.NextObject();
+    std::vector<Aabb3> boxes = Spread(1.2f).Some(6000);
     for (std::size_t i = 5; i < boxes.size(); i += 1700) {
       boxes[i] = {{-50, -50, -50}, {50, 0, 50}};
     }
@@ -284,15 +281,10 @@ TEST(PairEventsErrorsTest, NameTheArgument) {
   };
   refuses([&] { events.Update(bvh, Span(Misaligned(ids.data()), 2), {}); },
           {"PairEvents::Update", "changed", "aligned"});
-  for (const float margin : {-1.0f, std::numeric_limits<float>::infinity()}) {
-    refuses([&] { events.Update(bvh, {.margin = margin}); },
-            {"PairEvents::Update", "options.margin"});
-    refuses([&] { events.Update(bvh, Ids(), {.margin = margin}); },
-            {"PairEvents::Update", "options.margin"});
-  }
+  refuses([&] { events.Update(bvh, Ids(), {.margin = kInf}); },
+          {"PairEvents::Update", "options.margin"});
   refuses(load({{0, 1}, {2, 2}}),
           {"PairEvents::Load", "pairs[1]", "a < b < 4294967295", "2 and 2"});
-  refuses(load({{3, 2}}), {"pairs[0]", "3 and 2"});
   refuses(load({{0, 0xFFFFFFFF}}), {"pairs[0]", "0 and 4294967295"});
   refuses(load({{0, 1}, {5, 6}, {0, 1}}),
           {"PairEvents::Load", "pairs", "each pair once", "0 and 1 twice"});

@@ -36,24 +36,6 @@ constexpr bool IsMinPlane(std::size_t p) {
 template <typename View>
 using ScalarOf = typename View::Bound::Scalar;
 
-// The value of a bound in plane p of a view.
-template <typename View>
-ScalarOf<View>& StoredValue(typename View::Bound& bound, std::size_t p) {
-  if constexpr (HasMaxima<View>) {
-    if (!IsMinPlane<View>(p)) return bound.max[p - kMinima<View>];
-  }
-  return bound.min[p];
-}
-
-// The value of a query that plane p of a view is compared with.
-template <typename View>
-ScalarOf<View>& OpposingValue(typename View::Query& query, std::size_t p) {
-  if constexpr (HasMaxima<View>) {
-    if (!IsMinPlane<View>(p)) return query.min[p - kMinima<View>];
-  }
-  return query.max[p];
-}
-
 template <typename View>
 const ScalarOf<View>*& PlaneOf(View& view, std::size_t p) {
   if constexpr (HasMaxima<View>) {
@@ -62,7 +44,7 @@ const ScalarOf<View>*& PlaneOf(View& view, std::size_t p) {
   return view.min[p];
 }
 
-// The same by number: which value of a query plane p is compared with.
+// Which value of a query plane p is compared with.
 inline std::size_t OpposingValue(const detail::PlaneLayout& layout,
                                  std::size_t p) {
   return p < layout.axes ? layout.first_max + p : p - layout.axes;

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdlib>
+#include <cstring>
 #include <limits>
 #include <new>
 
@@ -45,6 +46,8 @@ class CountingMemory {
 #endif
     auto* memory = static_cast<std::byte*>(block);
     new (memory) Header{bytes, this};
+    // Tools know uninitialized bytes of all other blocks.
+    if (fill != 0) std::memset(memory + kAlignment, fill, whole - kAlignment);
     ++blocks;
     ++allocations;
     return memory + kAlignment + shift;
@@ -71,6 +74,7 @@ class CountingMemory {
   std::size_t left = kNoLimit;  // allocations before there is no memory
   std::size_t blocks = 0;       // that were not given back
   std::size_t allocations = 0;
+  int fill = 0;           // the bytes of a new block
   std::size_t shift = 0;  // bytes that blocks lie off their alignment
 
  private:

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <limits>
-#include <new>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -12,7 +11,6 @@
 #include "halfspace/quantized.h"
 #include "halfspace/reject.h"
 #include "tests/library/support/expect_invalid.h"
-#include "tests/library/support/sanitized.h"
 #include "tests/library/world/owner_inputs.h"
 
 namespace halfspace::testing {
@@ -72,15 +70,6 @@ TEST_P(OwnerTest, ListThatCannotBeReadIsRefused) {
   owner->Assign(nullptr, 0);
   ExpectHolds(*owner, {});
 }
-
-#if !defined(HALFSPACE_SANITIZED)  // which ends the process instead
-TEST_P(OwnerTest, MemoryThatCannotBeHadIsBadAlloc) {
-  const Records model = RandomBounds(70);
-  const auto owner = row_.Make(model);
-  EXPECT_THROW(owner->Reserve(std::size_t{1} << 50), std::bad_alloc);
-  ExpectHolds(*owner, model);
-}
-#endif
 
 INSTANTIATE_TEST_SUITE_P(, OwnerTest, ::testing::ValuesIn(OwnerRows()),
                          ::testing::PrintToStringParamName());
