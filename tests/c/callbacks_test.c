@@ -53,12 +53,11 @@ static void test_run(void) {
   const hs_columns columns = hs_float_rows(objects, OBJECTS, VALUES);
   work threads;
   hs_builder* builder = NULL;
-  hs_bvh* right = NULL;
+  hs_bvh* const right = bvh_of(HS_BOX3, &columns);
   hs_bvh* bvh = NULL;
   hs_pair_events* events = NULL;
   hs_pair_event_options options;
   size_t i;
-  CHECK_OK(hs_bvh_create(&config, &columns, &right));
   config.run = run_one_number;
   for (i = 0; i < sizeof(numbers) / sizeof(numbers[0]); ++i) {
     config.run_context = (void*)&numbers[i];

@@ -85,6 +85,13 @@ static inline hs_scan_config scan_config_of(hs_kind kind, int bits) {
   return config;
 }
 
+static inline hs_bvh* bvh_of(hs_kind kind, const hs_columns* objects) {
+  const hs_bvh_config config = bvh_config_of(kind);
+  hs_bvh* bvh = NULL;
+  CHECK_OK(hs_bvh_create(&config, objects, &bvh));
+  return bvh;
+}
+
 static inline int have_same_bytes(const hs_bvh* a, const hs_bvh* b) {
   const void* blobs[2] = {NULL, NULL};
   size_t sizes[2] = {0, 0};

@@ -55,12 +55,10 @@ static void test_structs(void) {
     unsigned char unknown[8];
   } newer;
   hs_query_options options;
-  hs_bvh_config config = bvh_config_of(HS_BOX3);
   const hs_columns columns = hs_float_rows(kBoxes, 2, 6);
-  hs_bvh* bvh = NULL;
+  hs_bvh* const bvh = bvh_of(HS_BOX3, &columns);
   size_t total = 0;
   uint32_t ids[2];
-  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
 
   // An older program: the target is that of the library.
   memset(&options, 0xFF, sizeof(options));
@@ -94,7 +92,7 @@ static void test_structs(void) {
   INVALID(hs_bvh_query, (bvh, &columns, &options, ids, 2, NULL, &total),
           "options->struct_size: expected a multiple of 4, as the function "
           "..._default() sets it, got 39");
-  NOT_NULL(hs_bvh_config_default, (NULL, sizeof(config)), "the struct");
+  NOT_NULL(hs_bvh_config_default, (NULL, sizeof(hs_bvh_config)), "the struct");
   INVALID(hs_bvh_config_default,
           ((hs_bvh_config*)(void*)((char*)&newer + 1), sizeof(newer)),
           "the struct: expected memory aligned to 8 bytes, got a misaligned "
@@ -242,9 +240,6 @@ static float no_hit(void* context, size_t cast, uint32_t id, float t) {
   INVALID(function, arguments, "ids[1]: expected the id of a body, got 900")
 
 static void test_handles_and_outputs(void) {
-  const hs_bvh_config config = bvh_config_of(HS_BOX3);
-  const hs_bvh_config others = bvh_config_of(HS_BOX2);
-  const hs_bvh_config simplices = bvh_config_of(HS_SIMPLEX2);
   hs_pair_event_options event_options;
   hs_pair_events* events = NULL;
   const hs_scan_config scan_config = scan_config_of(HS_BOX3, 0);
@@ -262,18 +257,15 @@ static void test_handles_and_outputs(void) {
   hs_query_options options;
   hs_scan_options scan_options;
   float bounds[12];
-  hs_bvh* bvh = NULL;
-  hs_bvh* other = NULL;
-  hs_bvh* simplex = NULL;
+  hs_bvh* const bvh = bvh_of(HS_BOX3, &columns);
+  hs_bvh* const other = bvh_of(HS_BOX2, &columns);
+  hs_bvh* const simplex = bvh_of(HS_SIMPLEX2, &columns);
   hs_scan* scan = NULL;
   size_t total = 0;
   uint32_t ids[4] = {0, 7, 0, 0};
   const uint32_t masks[] = {1, 2};
   uint64_t word = 0;
   hs_id_pair pair;
-  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
-  CHECK_OK(hs_bvh_create(&others, &columns, &other));
-  CHECK_OK(hs_bvh_create(&simplices, &columns, &simplex));
   CHECK_OK(hs_scan_create(&scan_config, &columns, &scan));
 
   NOT_NULL(hs_bvh_query, (NULL, &columns, NULL, ids, 4, NULL, &total), "bvh");
@@ -447,19 +439,15 @@ static void test_bodies(void) {
 
 static void test_triangles(void) {
   const float numbers[18] = {0};
-  const hs_bvh_config config = bvh_config_of(HS_BOX3);
-  const hs_bvh_config flat_config = bvh_config_of(HS_BOX2);
   const hs_columns boxes = hs_float_rows(kBoxes, 2, 6);
   const hs_columns columns = hs_float_rows(numbers, 2, 9);
   const hs_columns few = hs_float_rows(numbers, 1, 9);
   const hs_columns rays = hs_float_rows(numbers, 1, 7);
   hs_columns doubles = columns;
-  hs_bvh* bvh = NULL;
-  hs_bvh* flat = NULL;
+  hs_bvh* const bvh = bvh_of(HS_BOX3, &boxes);
+  hs_bvh* const flat = bvh_of(HS_BOX2, &boxes);
   uint32_t id = 0;
   doubles.type = HS_FLOAT64;
-  CHECK_OK(hs_bvh_create(&config, &boxes, &bvh));
-  CHECK_OK(hs_bvh_create(&flat_config, &boxes, &flat));
   INVALID(hs_bvh_raycast_triangles, (flat, &rays, &columns, NULL, &id, NULL),
           "bvh: expected 3 dimensions, got 2");
   INVALID(hs_bvh_raycast_triangles, (bvh, &rays, &few, NULL, &id, NULL),

@@ -1000,9 +1000,8 @@ void TestPairEvents() {
   const auto bounds = Its::BoundsOf(first);
   Bvh<View> world{Span<const Bound>(bounds)};
   PairEvents expected;
-  const hs_bvh_config config = bvh_config_of(Its::kKind);
   const hs_columns columns = first.In(kRows);
-  hs_bvh* const bvh = Get<hs_bvh*>(&hs_bvh_create, &config, &columns);
+  hs_bvh* const bvh = bvh_of(Its::kKind, &columns);
   auto* const events = Get<hs_pair_events*>(&hs_pair_events_create, nullptr);
   Ids changed(40);
   std::iota(changed.begin(), changed.end(), 8u);
@@ -1243,8 +1242,7 @@ void TestTriangles() {
     CHECK_OK(
         hs_bound_triangles(HS_BOX3, &columns, nullptr, boxes.data(), nullptr));
     const hs_columns objects = hs_float_rows(boxes.data(), kTriangles, 6);
-    const hs_bvh_config config = bvh_config_of(HS_BOX3);
-    hs_bvh* const bvh = Get<hs_bvh*>(&hs_bvh_create, &config, &objects);
+    hs_bvh* const bvh = bvh_of(HS_BOX3, &objects);
     hs_query_options options = DefaultsOf(&hs_query_options_default);
     Ids ids(kQueries);
     std::vector<float> values(kQueries);
