@@ -74,7 +74,8 @@ fi
 if [ "$preset" = aarch64 ]; then prepare_arm; fi
 if [ "$preset" = windows ]; then
   install_packages "${windows_packages[@]}"
-  build_preset windows "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG" "${windows_tests[@]}"
+  build_preset windows "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG" -DHALFSPACE_UNITY=ON \
+    "${windows_tests[@]}"
   test_preset windows --tests-regex "$windows_names" "$@"
 elif [ "$is_full" ]; then
   build_preset "$preset" -DHALFSPACE_TEST_ONLY_3D=OFF

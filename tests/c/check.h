@@ -17,15 +17,17 @@ extern int failures;
     }                                                                 \
   } while (0)
 
-#define CHECK_OK(call)                                                  \
+// The status of the call is `status_` in the condition.
+#define CHECK_STATUS(call, condition)                                   \
   do {                                                                  \
     const hs_status status_ = (call);                                   \
-    if (status_ != HS_OK) {                                             \
+    if (!(condition)) {                                                 \
       ++failures;                                                       \
       fprintf(stderr, "%s:%d: %s: %s: %s\n", __FILE__, __LINE__, #call, \
               hs_status_name(status_), hs_last_error());                \
     }                                                                   \
   } while (0)
+#define CHECK_OK(call) CHECK_STATUS(call, status_ == HS_OK)
 
 // Whether the message of the last error is this text, and is made of its parts.
 static inline int is_last_error(const char* text) {
@@ -39,16 +41,8 @@ static inline int is_last_error(const char* text) {
 }
 
 // The call fails with this status, and its message is this text.
-#define CHECK_FAILS(call, expected, text)                               \
-  do {                                                                  \
-    const hs_status status_ = (call);                                   \
-    if (status_ != (expected) || !is_last_error(text)) {                \
-      ++failures;                                                       \
-      fprintf(stderr, "%s:%d: %s: %s: %s\n", __FILE__, __LINE__, #call, \
-              hs_status_name(status_), hs_last_error());                \
-    }                                                                   \
-  } while (0)
-
+#define CHECK_FAILS(call, expected, text) \
+  CHECK_STATUS(call, status_ == (expected) && is_last_error(text))
 #define CHECK_INVALID(call, text) CHECK_FAILS(call, HS_INVALID_ARGUMENT, text)
 // The same, with the name of the function in front of the text.
 #define INVALID(function, arguments, text) \
@@ -89,6 +83,13 @@ static inline hs_scan_config scan_config_of(hs_kind kind, int bits) {
   config.kind = kind;
   config.bits = bits;
   return config;
+}
+
+static inline hs_bvh* bvh_of(hs_kind kind, const hs_columns* objects) {
+  const hs_bvh_config config = bvh_config_of(kind);
+  hs_bvh* bvh = NULL;
+  CHECK_OK(hs_bvh_create(&config, objects, &bvh));
+  return bvh;
 }
 
 static inline int have_same_bytes(const hs_bvh* a, const hs_bvh* b) {

@@ -55,12 +55,10 @@ static void test_structs(void) {
     unsigned char unknown[8];
   } newer;
   hs_query_options options;
-  hs_bvh_config config = bvh_config_of(HS_BOX3);
   const hs_columns columns = hs_float_rows(kBoxes, 2, 6);
-  hs_bvh* bvh = NULL;
+  hs_bvh* const bvh = bvh_of(HS_BOX3, &columns);
   size_t total = 0;
   uint32_t ids[2];
-  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
 
   // An older program: the target is that of the library.
   memset(&options, 0xFF, sizeof(options));
@@ -94,7 +92,7 @@ static void test_structs(void) {
   INVALID(hs_bvh_query, (bvh, &columns, &options, ids, 2, NULL, &total),
           "options->struct_size: expected a multiple of 4, as the function "
           "..._default() sets it, got 39");
-  NOT_NULL(hs_bvh_config_default, (NULL, sizeof(config)), "the struct");
+  NOT_NULL(hs_bvh_config_default, (NULL, sizeof(hs_bvh_config)), "the struct");
   INVALID(hs_bvh_config_default,
           ((hs_bvh_config*)(void*)((char*)&newer + 1), sizeof(newer)),
           "the struct: expected memory aligned to 8 bytes, got a misaligned "
@@ -143,7 +141,6 @@ static void test_columns(void) {
   bvh = NULL;
   // So many fit the address space, if all are one record.
   columns.count = (size_t)1 << 31;
-  CHECK(hs_bvh_create(&config, &columns, &bvh) == HS_INVALID_ARGUMENT);
   INVALID(hs_bvh_create, (&config, &columns, &bvh),
           "objects: expected fewer than 2^31 objects in all, got 2147483648");
   CHECK(bvh == NULL);
@@ -243,10 +240,6 @@ static float no_hit(void* context, size_t cast, uint32_t id, float t) {
   INVALID(function, arguments, "ids[1]: expected the id of a body, got 900")
 
 static void test_handles_and_outputs(void) {
-  const hs_bvh_config config = bvh_config_of(HS_BOX3);
-  const hs_bvh_config others = bvh_config_of(HS_BOX2);
-  const hs_bvh_config simplices = bvh_config_of(HS_SIMPLEX2);
-  const hs_id_pair swapped = {2, 1};
   hs_pair_event_options event_options;
   hs_pair_events* events = NULL;
   const hs_scan_config scan_config = scan_config_of(HS_BOX3, 0);
@@ -264,19 +257,15 @@ static void test_handles_and_outputs(void) {
   hs_query_options options;
   hs_scan_options scan_options;
   float bounds[12];
-  hs_bvh* bvh = NULL;
-  hs_bvh* other = NULL;
-  hs_bvh* simplex = NULL;
+  hs_bvh* const bvh = bvh_of(HS_BOX3, &columns);
+  hs_bvh* const other = bvh_of(HS_BOX2, &columns);
+  hs_bvh* const simplex = bvh_of(HS_SIMPLEX2, &columns);
   hs_scan* scan = NULL;
   size_t total = 0;
   uint32_t ids[4] = {0, 7, 0, 0};
-  const uint32_t twice[] = {9, 9};
   const uint32_t masks[] = {1, 2};
   uint64_t word = 0;
   hs_id_pair pair;
-  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
-  CHECK_OK(hs_bvh_create(&others, &columns, &other));
-  CHECK_OK(hs_bvh_create(&simplices, &columns, &simplex));
   CHECK_OK(hs_scan_create(&scan_config, &columns, &scan));
 
   NOT_NULL(hs_bvh_query, (NULL, &columns, NULL, ids, 4, NULL, &total), "bvh");
@@ -286,16 +275,10 @@ static void test_handles_and_outputs(void) {
           "ids: expected a size that fits the address space, got "
           "18446744073709551615 elements");
   NOT_NULL(hs_bvh_probe, (bvh, &columns, NULL, NULL, NULL), "function");
-  NOT_NULL(hs_bvh_probe, (NULL, &columns, NULL, no_ids, NULL), "bvh");
   INVALID(hs_bvh_erase, (bvh, ids, 2),
-          "ids[1]: expected the id of an object, got 7");
-  INVALID(hs_bvh_set, (bvh, ids, &columns),
           "ids[1]: expected the id of an object, got 7");
   CHECK_OK(hs_bvh_size(bvh, &total));
   CHECK(total == 2);
-  INVALID(hs_bvh_insert_as, (bvh, twice, &columns),
-          "ids: expected ids that no object has, below 4294967295, each once, "
-          "got 9 twice");
   NOT_NULL(hs_bvh_insert_as, (bvh, NULL, &columns), "ids");
   CHECK_OK(hs_bvh_set_masks(bvh, NULL, NULL, 0));
   NOT_NULL(hs_bvh_set_masks, (bvh, NULL, masks, 1), "ids");
@@ -305,8 +288,6 @@ static void test_handles_and_outputs(void) {
           "objects: expected a bound for each id, at least 2, got 1");
   INVALID(hs_bvh_get_all, (bvh, bounds, 1),
           "room: expected at least hs_bvh_id_limit(), 2, got 1");
-  INVALID(hs_bvh_reserve, (bvh, (size_t)1 << 31),
-          "objects: expected fewer than 2^31 objects in all, got 2147483648");
   CHECK_OK(hs_query_options_default(&options, sizeof(options)));
   options.exclusive = 1;
   INVALID(hs_bvh_nearest_to_boxes,
@@ -342,9 +323,6 @@ static void test_handles_and_outputs(void) {
   INVALID(hs_bvh_join, (bvh, other, NULL, &pair, 1, &total),
           "b: expected a BVH of the kind of `a`, got another kind");
   CHECK_OK(hs_pair_events_create(NULL, &events));
-  INVALID(hs_pair_events_update, (events, simplex, NULL),
-          "expected BVHs of boxes or octahedra, got simplices, which have no "
-          "planes that face each other");
   NOT_NULL(hs_pair_events_update, (events, NULL, NULL), "bvh");
   NOT_NULL(hs_pair_events_update_of, (events, bvh, NULL, 1, NULL), "changed");
   CHECK_OK(hs_pair_event_options_default(&event_options, sizeof event_options));
@@ -352,8 +330,6 @@ static void test_handles_and_outputs(void) {
   INVALID(
       hs_pair_events_update, (events, bvh, &event_options),
       "options->margin: expected a finite number that is not negative, got -1");
-  INVALID(hs_pair_events_load, (events, &swapped, 1),
-          "pairs[0]: expected a < b < 4294967295, got 2 and 1");
   NOT_NULL(hs_pair_events_began, (events, NULL, &total), "pairs");
   hs_pair_events_destroy(events);
   INVALID(hs_bvh_pairs, (simplex, NULL, &pair, 1, &total),
@@ -369,11 +345,6 @@ static void test_handles_and_outputs(void) {
   BAD_TARGET(hs_bvh_pairs, (bvh, &pair_options, &pair, 1, &total));
   BAD_TARGET(hs_bound_boxes, (HS_BOX3, &columns, &bound_options, bounds, NULL));
   BAD_TARGET(hs_scan_counts, (scan, &columns, &scan_options, &total));
-  pair_options.target = NULL;
-  pair_options.margin = INFINITY;
-  INVALID(hs_bvh_pairs, (bvh, &pair_options, &pair, 1, &total),
-          "options->margin: expected a finite number that is not negative, got "
-          "inf");
   NOT_NULL(hs_bvh_pairs_each, (bvh, NULL, NULL, NULL), "function");
 
   INVALID(hs_scan_masks, (scan, &columns, NULL, &word, 1),
@@ -395,17 +366,12 @@ static void test_bodies(void) {
   const double doubles[] = {0, 0, 1, 2};
   const float motion[] = {1, 0, -1};
   const uint32_t ids[] = {5, 900};
-  const uint32_t large[] = {5, (uint32_t)1 << 31};
-  const uint32_t twice[] = {5, 5};
-  const hs_body_masks masks[] = {{1, 1}, {1, 1}};
   hs_columns columns = hs_float_rows(boxes, 2, 4);
   hs_columns one = hs_float_rows(boxes, 1, 4);
   hs_columns motions = hs_float_rows(motion, 1, 3);
   hs_broad_phase_config config;
   hs_query_options query;
-  hs_update_options options;
   hs_body_statistics statistics;
-  hs_id_pair pair;
   static char bytes[4096];
   float record[4];
   uint32_t id = 0;
@@ -418,24 +384,12 @@ static void test_bodies(void) {
   INVALID(hs_broad_phase_create, (&config, &bodies),
           "config->kind: expected boxes or octahedra, got simplices, which "
           "have no planes that face each other");
-  config.kind = (hs_kind)7;
-  INVALID(hs_broad_phase_create, (&config, &bodies),
-          "config->kind: expected an enumerator of hs_kind, got 7");
   config.kind = HS_BOX2;
-  NOT_NULL(hs_broad_phase_create, (NULL, &bodies), "config");
   CHECK(bodies == NULL);
   CHECK_OK(hs_broad_phase_create(&config, &bodies));
-  INVALID(hs_broad_phase_insert, (bodies, large, &columns, NULL),
-          "ids[1]: expected an id below 2^31, got 2147483648");
-  INVALID(hs_broad_phase_insert, (bodies, twice, &columns, masks),
-          "ids[1]: expected an id that no body has, once in the list, got 5");
   NOT_NULL(hs_broad_phase_insert, (bodies, NULL, &columns, NULL), "ids");
-  CHECK_OK(hs_broad_phase_size(bodies, &size));
-  CHECK(size == 0);
   CHECK_OK(hs_broad_phase_insert(bodies, ids, &one, NULL));
   NO_BODY(hs_broad_phase_move, (bodies, ids, &columns));
-  NO_BODY(hs_broad_phase_erase, (bodies, ids, 2));
-  NO_BODY(hs_broad_phase_set_masks, (bodies, ids, masks, 2));
   NOT_NULL(hs_broad_phase_set_masks, (bodies, ids, NULL, 1), "masks");
   NO_BODY(hs_broad_phase_get, (bodies, ids, 2, NULL, NULL));
   one = hs_double_rows(doubles, 1, 3);
@@ -465,13 +419,6 @@ static void test_bodies(void) {
           (bodies, &one, &motions, NULL, no_hit, NULL),
           "motions->type: expected HS_FLOAT32, as these cannot be rounded "
           "outward, got HS_FLOAT64");
-  NO_BODY(hs_broad_phase_pairs_of, (bodies, ids, 2, NULL, &pair, 1, &size));
-  NOT_NULL(hs_broad_phase_began, (bodies, NULL, &size), "pairs");
-  CHECK_OK(hs_update_options_default(&options, sizeof(options)));
-  options.struct_size = 3;
-  INVALID(hs_broad_phase_update, (bodies, &options),
-          "options->struct_size: expected sizeof *options, as the function "
-          "..._default() sets it, got 3");
   INVALID(hs_broad_phase_statistics, (bodies, &statistics, 3),
           "struct_size: expected the sizeof of the struct, got 3");
   NOT_NULL(hs_broad_phase_validate, (NULL, NULL), "bodies");
@@ -492,19 +439,15 @@ static void test_bodies(void) {
 
 static void test_triangles(void) {
   const float numbers[18] = {0};
-  const hs_bvh_config config = bvh_config_of(HS_BOX3);
-  const hs_bvh_config flat_config = bvh_config_of(HS_BOX2);
   const hs_columns boxes = hs_float_rows(kBoxes, 2, 6);
   const hs_columns columns = hs_float_rows(numbers, 2, 9);
   const hs_columns few = hs_float_rows(numbers, 1, 9);
   const hs_columns rays = hs_float_rows(numbers, 1, 7);
   hs_columns doubles = columns;
-  hs_bvh* bvh = NULL;
-  hs_bvh* flat = NULL;
+  hs_bvh* const bvh = bvh_of(HS_BOX3, &boxes);
+  hs_bvh* const flat = bvh_of(HS_BOX2, &boxes);
   uint32_t id = 0;
   doubles.type = HS_FLOAT64;
-  CHECK_OK(hs_bvh_create(&config, &boxes, &bvh));
-  CHECK_OK(hs_bvh_create(&flat_config, &boxes, &flat));
   INVALID(hs_bvh_raycast_triangles, (flat, &rays, &columns, NULL, &id, NULL),
           "bvh: expected 3 dimensions, got 2");
   INVALID(hs_bvh_raycast_triangles, (bvh, &rays, &few, NULL, &id, NULL),

@@ -89,24 +89,6 @@ extern "C" void test_exceptions(void) {
               "hs_bvh_pairs_each: an exception of a callback, an allocator or "
               "an error handler ended the call");
 
-  hs_broad_phase_config its_config;
-  CHECK_OK(hs_broad_phase_config_default(&its_config, sizeof(its_config)));
-  its_config.kind = HS_BOX2;
-  hs_broad_phase* bodies = nullptr;
-  const uint32_t ids[] = {0, 1};
-  CHECK_OK(hs_broad_phase_create(&its_config, &bodies));
-  CHECK_OK(hs_broad_phase_insert(bodies, ids, &columns, nullptr));
-  CHECK(hs_broad_phase_probe(bodies, &columns, nullptr, &ThrowAtIds, nullptr) ==
-        HS_INTERNAL);
-  CHECK(hs_broad_phase_raycast_each(bodies, &rays, 0, nullptr, &ThrowAtHit,
-                                    nullptr) == HS_OUT_OF_MEMORY);
-  CHECK(hs_broad_phase_pairs_of_each(bodies, ids, 2, nullptr, &ThrowAtPairs,
-                                     nullptr) == HS_INTERNAL);
-  // No lock is held.
-  CHECK_OK(hs_broad_phase_erase(bodies, ids, 2));
-  CHECK_OK(hs_broad_phase_rebuild(bodies, nullptr));
-  hs_broad_phase_destroy(bodies);
-
   // A handler is told what the C++ library finds.
   halfspace::SetErrorHandler([](const halfspace::Error& error) {
     told = error.what();

@@ -13,6 +13,7 @@
 
 enum { OBJECTS = 3000, HALF = OBJECTS / 2, VALUES = 8 };
 
+static const char kPath[] = "c_test_memory.bvh";
 static float objects[OBJECTS * VALUES];
 static double doubles[OBJECTS * VALUES];  // the same
 static uint32_t ids[OBJECTS];
@@ -70,17 +71,6 @@ static size_t size_of(const hs_bvh* bvh) {
   CHECK_OK(hs_bvh_size(bvh, &size));
   return size;
 }
-static size_t size_of_bodies(const hs_broad_phase* bodies) {
-  size_t size = 0;
-  CHECK_OK(hs_broad_phase_size(bodies, &size));
-  return size;
-}
-static size_t pairs_of(const hs_pair_events* events) {
-  const hs_id_pair* pairs = NULL;
-  size_t count = 0;
-  CHECK_OK(hs_pair_events_pairs(events, &pairs, &count));
-  return count;
-}
 
 // A call without memory makes nothing, and changes nothing.
 static void use_scans(hs_kind kind, memory* its) {
@@ -106,28 +96,17 @@ static void use_scans(hs_kind kind, memory* its) {
 }
 
 static void use_pair_events(hs_kind kind, memory* its) {
-  const hs_columns columns =
-      hs_float_rows(objects, OBJECTS, hs_bound_values(kind));
-  const hs_bvh_config config = bvh_config_of(kind);
+  const hs_id_pair pairs[] = {{0, 1}, {0, 2}};
   const hs_allocator allocator = allocator_of(its);
   hs_pair_events* events = NULL;
-  hs_bvh* bvh = NULL;
-  CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
-  if (has_done(its, hs_pair_events_create(&allocator, &events))) {
-    const int done = has_done(its, hs_pair_events_update(events, bvh, NULL));
-    const size_t before = pairs_of(events);
-    CHECK((before > 0) == (done != 0));
-    CHECK_OK(hs_bvh_erase(bvh, ids, 1));
-    if (!has_done(its, hs_pair_events_update_of(events, bvh, ids, 4, NULL))) {
-      CHECK(pairs_of(events) == before);
-    }
-    hs_pair_events_destroy(events);
-  }
-  hs_bvh_destroy(bvh);
+  (void)kind;
+  if (!has_done(its, hs_pair_events_create(&allocator, &events))) return;
+  (void)has_done(its, hs_pair_events_load(events, pairs, 2));
+  hs_pair_events_destroy(events);
 }
 
 // In memory, or in a file by runs.
-static void use_builder_in(const char* path, hs_kind kind, memory* its) {
+static void use_builder(hs_kind kind, memory* its, int is_in_file) {
   const size_t values = hs_bound_values(kind);
   const hs_columns floats = hs_float_rows(objects, HALF, values);
   const hs_columns wide = hs_double_rows(doubles, HALF, values);
@@ -136,9 +115,9 @@ static void use_builder_in(const char* path, hs_kind kind, memory* its) {
   hs_bvh* bvh = NULL;
   size_t pushed = 0;
   config.allocator = allocator_of(its);
-  if (!has_done(its, path == NULL ? hs_builder_create(&config, &builder)
-                                  : hs_builder_create_file(&config, path, 10000,
-                                                           &builder))) {
+  if (!has_done(its, is_in_file ? hs_builder_create_file(&config, kPath, 10000,
+                                                         &builder)
+                                : hs_builder_create(&config, &builder))) {
     return;
   }
   pushed += (size_t)has_done(its, hs_builder_push(builder, &floats));
@@ -146,14 +125,14 @@ static void use_builder_in(const char* path, hs_kind kind, memory* its) {
   if (has_done(its, hs_builder_finish(builder, &bvh))) {
     CHECK(size_of(bvh) == pushed * HALF);
     hs_bvh_destroy(bvh);
-  } else {
-    CHECK(bvh == NULL);
   }
   hs_builder_destroy(builder);
 }
-static void use_builder(hs_kind kind, memory* its) {
-  use_builder_in(NULL, kind, its);
+static void use_builders(hs_kind kind, memory* its) {
+  use_builder(kind, its, 0);
+  use_builder(kind, its, 1);
 }
+
 // One byte too few for one run, and room for all.
 static void test_memory_of_a_builder_file(void) {
   const size_t values = hs_bound_values(HS_BOX3);
@@ -169,8 +148,7 @@ static void test_memory_of_a_builder_file(void) {
     hs_bvh* bvh = NULL;
     size_t before = 0;
     config.allocator = allocator_of(&its);
-    CHECK_OK(hs_builder_create_file(&config, "c_test_memory.bvh", limits[i],
-                                    &builder));
+    CHECK_OK(hs_builder_create_file(&config, kPath, limits[i], &builder));
     CHECK_OK(hs_builder_push(builder, &columns));
     before = its.bytes;
     CHECK_OK(hs_builder_finish(builder, &bvh));
@@ -179,107 +157,61 @@ static void test_memory_of_a_builder_file(void) {
     hs_builder_destroy(builder);
     CHECK(its.live == 0);
   }
-  (void)remove("c_test_memory.bvh");
 }
 
-static void use_builder_file(hs_kind kind, memory* its) {
-  use_builder_in("c_test_memory.bvh", kind, its);
-  (void)remove("c_test_memory.bvh");
-}
-
+// The changes of a BVH allocate in the C++ library alone, whose tests make each
+// without memory.
 static void use_bvh(hs_kind kind, memory* its) {
-  static uint32_t new_ids[HALF];
-  const size_t values = hs_bound_values(kind);
-  const hs_columns wide = hs_double_rows(doubles, HALF, values);
-  const hs_columns all = hs_double_rows(doubles, OBJECTS, values);
+  const hs_columns wide = hs_double_rows(doubles, HALF, hs_bound_values(kind));
   hs_bvh_config config = bvh_config_of(kind);
   hs_bvh* bvh = NULL;
   hs_bvh* copies[3] = {NULL, NULL, NULL};
   const void* blob = NULL;
   size_t bytes = 0;
-  size_t size = HALF;
   size_t i;
   config.allocator = allocator_of(its);
   if (!has_done(its, hs_bvh_create(&config, &wide, &bvh))) return;
-  if (has_done(its, hs_bvh_insert(bvh, &wide, new_ids))) size += HALF;
-  CHECK(size_of(bvh) == size);
-  (void)has_done(its, hs_bvh_set(bvh, ids, &wide));
-  (void)has_done(its, hs_bvh_set_masks(bvh, ids, ids, HALF));
-  if (has_done(its, hs_bvh_erase(bvh, ids, 100))) size -= 100;
-  (void)has_done(its, hs_bvh_refit(bvh, &all, NULL, NULL));
-  (void)has_done(its, hs_bvh_rebuild(bvh, NULL));
-  (void)has_done(its, hs_bvh_reserve(bvh, 3 * OBJECTS));
-  CHECK(size_of(bvh) == size);
   CHECK_OK(hs_bvh_blob(bvh, &blob, &bytes));
-  CHECK_OK(hs_bvh_save(bvh, "c_test_memory.bvh"));
+  CHECK_OK(hs_bvh_save(bvh, kPath));
   (void)has_done(its, hs_bvh_from_blob(&config, blob, bytes, &copies[0]));
-  (void)has_done(its, hs_bvh_load(&config, "c_test_memory.bvh", &copies[1]));
-  (void)has_done(its, hs_bvh_map(&config, "c_test_memory.bvh", &copies[2]));
+  (void)has_done(its, hs_bvh_load(&config, kPath, &copies[1]));
+  (void)has_done(its, hs_bvh_map(&config, kPath, &copies[2]));
   for (i = 0; i < 3; ++i) {
+    size_t size = HALF;
     if (copies[i] == NULL) continue;
+    // A map becomes a copy.
+    if (has_done(its, hs_bvh_erase(copies[i], ids, 1))) --size;
     CHECK(size_of(copies[i]) == size);
-    if (has_done(its, hs_bvh_erase(copies[i], ids + 200, 1))) {
-      CHECK(size_of(copies[i]) == size - 1);
-    } else {
-      CHECK(size_of(copies[i]) == size);
-    }
     hs_bvh_destroy(copies[i]);
   }
   hs_bvh_destroy(bvh);
 }
 
+// Rows of doubles are copied before the C++ library has them.
 static void use_broad_phase(hs_kind kind, memory* its) {
-  static char bytes[OBJECTS * 256];
-  static hs_body_masks masks[100];
   const size_t values = hs_bound_values(kind);
   const hs_columns all = hs_double_rows(doubles, OBJECTS, values);
   const hs_columns moved = hs_double_rows(doubles + values, 100, values);
-  const hs_columns query = hs_float_rows(objects, 1, values);
   hs_broad_phase_config config;
   hs_broad_phase* bodies = NULL;
   hs_broad_phase* copy = NULL;
   size_t expected = 0;
-  size_t count = 0;
-  size_t saved = 0;
-  size_t left;
-  int is_valid = 0;
+  size_t size = 0;
   CHECK_OK(hs_broad_phase_config_default(&config, sizeof(config)));
   config.kind = kind;
   config.allocator = allocator_of(its);
-  if (!has_done(its, hs_broad_phase_create(&config, &bodies))) {
-    CHECK(bodies == NULL);
-    return;
-  }
+  if (!has_done(its, hs_broad_phase_create(&config, &bodies))) return;
   if (has_done(its, hs_broad_phase_insert(bodies, ids, &all, NULL))) {
-    expected += OBJECTS;
-    (void)has_done(
-        its, hs_broad_phase_pairs_of(bodies, ids, 100, NULL, NULL, 0, &count));
+    expected = OBJECTS;
     (void)has_done(its, hs_broad_phase_move(bodies, ids, &moved));
-    (void)has_done(its, hs_broad_phase_set_masks(bodies, ids, masks, 50));
-    if (has_done(its, hs_broad_phase_erase(bodies, ids + 100, 10))) {
-      expected -= 10;
-    }
   }
-  (void)has_done(its, hs_broad_phase_update_pairs(bodies, NULL));
-  (void)has_done(its, hs_broad_phase_update(bodies, NULL));
-  (void)has_done(its, hs_broad_phase_rebuild(bodies, NULL));
   if (has_done(its, hs_broad_phase_copy(bodies, &copy))) {
-    if (has_done(its,
-                 hs_broad_phase_save(copy, bytes, sizeof(bytes), &saved))) {
-      (void)has_done(its, hs_broad_phase_load(copy, bytes, saved));
-    }
-    CHECK(size_of_bodies(copy) == expected);
+    CHECK_OK(hs_broad_phase_size(copy, &size));
+    CHECK(size == expected);
     hs_broad_phase_destroy(copy);
-  } else {
-    CHECK(copy == NULL);
   }
-  // The others need no memory.
-  left = its->left;
-  CHECK_OK(hs_broad_phase_count(bodies, &query, NULL, &count));
-  CHECK((count > 0) == (expected > 0) && its->left == left);
-  CHECK(size_of_bodies(bodies) == expected);
-  CHECK_OK(hs_broad_phase_validate(bodies, &is_valid));
-  CHECK(is_valid);
+  CHECK_OK(hs_broad_phase_size(bodies, &size));
+  CHECK(size == expected);
   hs_broad_phase_destroy(bodies);
 }
 
@@ -341,15 +273,14 @@ void test_memory(void) {
   for (k = 0; k < 2; ++k) {
     random_bounds(kinds[k], OBJECTS, 0.1f, 13, objects);
     for (i = 0; i < OBJECTS * VALUES; ++i) doubles[i] = (double)objects[i];
-    use_without_memory(use_builder, kinds[k], 3);
-    use_without_memory(use_builder_file, kinds[k], 3);
+    use_without_memory(use_builders, kinds[k], 6);
     use_without_memory(use_bvh, kinds[k], 8);
     use_without_memory(use_scans, kinds[k], 2);
     if (is_simplex(kinds[k])) continue;
-    use_without_memory(use_broad_phase, kinds[k], 10);
-    use_without_memory(use_pair_events, kinds[k], 5);
+    use_without_memory(use_broad_phase, kinds[k], 5);
+    use_without_memory(use_pair_events, kinds[k], 2);
   }
-  (void)remove("c_test_memory.bvh");
   test_misaligned();
   test_memory_of_a_builder_file();
+  (void)remove(kPath);
 }

@@ -1,4 +1,5 @@
-// one_kernel.c through the inline function, for each target.
+// The least program with a kernel in it, through the inline function, for each
+// target. examples/kernels.c calls the kernel.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "one_kernel_inline.cc"
 #include "hwy/foreach_target.h"  // IWYU pragma: keep

@@ -232,16 +232,6 @@ TEST(TextTest, PutsRangesBelowTheirValuesInAWideTable) {
       << wide;
 }
 
-TEST(TextTest, WritesTheLeadAsItIsBeforeTheTable) {
-  Table table{"t", "a table", {Key("a")}};
-  table.lead = {"A heading", "  a       1",
-                std::string(50, 'a') + " " + std::string(50, 'b')};
-  std::ostringstream out;
-  WriteLead(out, table);
-  EXPECT_EQ(out.str(), "A heading\n  a       1\n" + std::string(50, 'a') +
-                           "\n" + std::string(50, 'b') + "\n");
-}
-
 TEST(TextTest, LeavesOutWhatIsEmpty) {
   EXPECT_EQ(TextOf({"nothing", "here", {Key("a")}}), "");
 }
@@ -421,22 +411,6 @@ TEST(CrossingTest, FindsWhereARatioIsAboveOne) {
     expect_near(span.from, row.expected.from);
     expect_near(span.to, row.expected.to);
   }
-}
-
-TEST(CrossingTest, MeasuresMoreSizesNearIt) {
-  std::vector<double> measured;
-  const Curve curve{{{0.1, 0.5}, {10.0, 2.0}}};
-  const std::vector<double> sizes = {0.1, 0.9, 3.0, 30.0};
-  FindSpan(sizes, [&](double size) {
-    measured.push_back(size);
-    return curve(size);
-  });
-  ASSERT_EQ(measured.size(), sizes.size() + 4);
-  for (std::size_t i = sizes.size(); i < measured.size(); ++i) {
-    EXPECT_GT(measured[i], 0.9);
-    EXPECT_LT(measured[i], 3.0);
-  }
-  EXPECT_NEAR(measured.back(), 1.0, 0.1);
 }
 
 const std::vector<double> kLeadSizes = {0.1, 1.0, 30.0};

@@ -92,89 +92,32 @@ void ExpectRejected(const Read& read, const BadFile& bad) {
   EXPECT_EQ(message->substr(0, expected.size()), expected) << *message;
 }
 
-// A path that cannot be read has no line to name.
-template <typename Read>
-void ExpectUnreadable(const Read& read, const std::string& path) {
-  const std::optional<std::string> message = ErrorOf(read, path);
-  ASSERT_TRUE(message.has_value()) << "was accepted";
-  EXPECT_EQ(message->find(path + ": cannot be read: "), 0u) << *message;
-  EXPECT_NE(message->find("; give the path of a readable file"),
-            std::string::npos)
-      << *message;
-}
-
-// Damages files in the same ways on every machine.
-class Mutator {
- public:
-  explicit Mutator(std::string_view original) : original_(original) {}
-
-  // The original after an edit or two, or cut short.
-  std::string operator()() {
-    std::string text = original_;
-    if (Below(16) == 0) text.resize(Below(text.size()));
-    for (std::size_t edits = 1 + Below(2); edits != 0; --edits) Edit(text);
-    return text;
-  }
-
- private:
+// The text after an edit or two, or cut short: the same on every machine.
+std::string Mutated(std::string text, std::mt19937& random) {
+  // What readers give a meaning to.
+  constexpr std::string_view kTelling = "0123456789+-.eEnaif/\\#,vf \t\r\n";
   // Not std::uniform_int_distribution, which differs between libraries.
-  std::size_t Below(std::size_t bound) { return random_() % bound; }
-
-  void Edit(std::string& text) {
-    const std::size_t at = Below(text.size() + 1);
-    switch (Below(6)) {
+  const auto below = [&](std::size_t bound) { return random() % bound; };
+  if (below(16) == 0) text.resize(below(text.size()));
+  for (std::size_t edits = 1 + below(2); edits != 0; --edits) {
+    const std::size_t at = below(text.size() + 1);
+    const char c = below(4) == 0 ? static_cast<char>(below(256))
+                                 : kTelling[below(kTelling.size())];
+    switch (below(4)) {
       case 0:
-        text.replace(at, 1, 1, static_cast<char>(Below(256)));
+        text.replace(at, 1, 1, c);
         break;
       case 1:
-        text.replace(at, 1, 1, kTelling[Below(kTelling.size())]);
+        text.insert(at, 1, c);
         break;
       case 2:
-        text.insert(at, 1, kTelling[Below(kTelling.size())]);
-        break;
-      case 3:
-        text.insert(at, 1, kTelling[Below(kDigits)]);
-        break;
-      case 4:
-        text.erase(at, 1 + Below(4));
+        text.erase(at, 1 + below(4));
         break;
       default:
-        text.insert(at, text.substr(Below(text.size() + 1), Below(24)));
+        text.insert(at, text.substr(below(text.size() + 1), below(24)));
     }
   }
-
-  // What readers give a meaning to, the digits first.
-  static constexpr std::size_t kDigits = 10;
-  static constexpr std::string_view kTelling =
-      "0123456789+-.eEnaif/\\#,vf \t\r\n";
-
-  std::string original_;
-  std::mt19937 random_{20240229};
-};
-
-// Every damaged version of a good file is either refused with a well-formed
-// message or passes `check`.
-template <typename Read, typename Check>
-void ExpectSafeOnMutations(std::string_view good, const Read& read,
-                           const Check& check) {
-  constexpr int kMutations = 8000;
-  Mutator mutate(good);
-  int refused = 0;
-  for (int i = 0; i < kMutations; ++i) {
-    const std::string text = mutate();
-    const TempFile file(text);
-    const std::optional<std::string> message = ErrorOf(
-        [&](const std::string& path) { check(read(path)); }, file.path());
-    if (message) {
-      ++refused;
-      ExpectWellFormed(*message, file.path());
-    }
-    if (testing::Test::HasFailure())
-      FAIL() << "on mutation " << i << ":\n" << text;
-  }
-  // Else the mutations are too weak, or too strong, to show anything.
-  EXPECT_GT(refused, kMutations / 10);
-  EXPECT_LT(refused, kMutations - kMutations / 10);
+  return text;
 }
 
 // ---- Meshes.
@@ -210,18 +153,6 @@ TEST(ObjMesh, FansPolygonsInOrder) {
       (Indices{4, 3, 2, 4, 2, 1, 4, 1, 0, 0, 1, 2, 1, 2, 3, 1, 3, 4}));
 }
 
-TEST(ObjMesh, FansPolygonOf300Corners) {
-  std::string text;
-  std::string face = "f";
-  Indices expected;
-  for (std::uint32_t i = 0; i < 300; ++i) {
-    text.append("v ").append(std::to_string(i)).append(" 0 1\n");
-    face.append(" ").append(std::to_string(i + 1));
-    if (i >= 2) expected.insert(expected.end(), {0, i - 1, i});
-  }
-  EXPECT_EQ(Read(text + face + "\n").indices, expected);
-}
-
 TEST(ObjMesh, CountsBackFromTheFaceAndForward) {
   EXPECT_EQ(Read("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 2 0 0\nf -3 -2 -1\n").indices,
             (Indices{0, 1, 2, 0, 1, 2}));
@@ -235,13 +166,6 @@ TEST(ObjMesh, SkipsEverythingElse) {
       "f 1/1 2/2 3/3 # c\nf 1//1 2//-1 3//0\nf 2/1/1 3/9/9 1/-1/2");
   EXPECT_EQ(mesh.coords, (Floats{0, 0, 0, 1, 0, 0, 1, 1, 0}));
   EXPECT_EQ(mesh.indices, (Indices{0, 1, 2, 0, 1, 2, 1, 2, 0}));
-}
-
-TEST(ObjMesh, EndsLinesAtCrLfOrBoth) {
-  const Mesh mesh =
-      Read("# c\rv 0 0 0\rv 1 0 0\r\nv 1 1 0\n\rf 1 2 3\r\rf 2 3 1\r");
-  EXPECT_EQ(mesh.coords, (Floats{0, 0, 0, 1, 0, 0, 1, 1, 0}));
-  EXPECT_EQ(mesh.indices, (Indices{0, 1, 2, 1, 2, 0}));
 }
 
 TEST(ObjMesh, RoundsNumbersToTheNearestFloat) {
@@ -267,12 +191,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadFile{"Word", "v 0 0 0\nv 1 two 3\n", 2, "\"two\" is not a number"},
         BadFile{"NaN", "v 0 0 0\n\nv nan 0 0\n", 3,
                 "\"nan\" is not a finite number"},
-        BadFile{"Infinity", "v 0 0 -Infinity\n", 1,
-                "\"-Infinity\" is not a finite number"},
         BadFile{"Overflow", "v 0 0 3.4028236e38\n", 1,
                 "\"3.4028236e38\" is too large for a 32-bit float"},
-        BadFile{"VertexAlone", "v\nv 0 0 0\nf 1 1 1\n", 1,
-                "a vertex with 0 numbers"},
         BadFile{"OverflowAfterCr", "# c\rv 0 0 0\rv 1e39 0 0\rf 1 1 1\r", 3,
                 "\"1e39\" is too large for a 32-bit float"},
         BadFile{"NoVertex", "# nothing\n", 1, "the file has no vertex"},
@@ -307,8 +227,15 @@ INSTANTIATE_TEST_SUITE_P(
     NameOf);
 
 TEST(ObjMesh, RefusesWhatIsNoReadableFile) {
-  ExpectUnreadable(ReadDefault, testing::TempDir());
-  ExpectUnreadable(ReadDefault, testing::TempDir() + "no/such/file.obj");
+  for (const char* name : {"", "no/such/file.obj"}) {
+    const std::string path = testing::TempDir() + name;
+    const std::optional<std::string> message = ErrorOf(ReadDefault, path);
+    ASSERT_TRUE(message.has_value()) << "was accepted";
+    EXPECT_EQ(message->find(path + ": cannot be read: "), 0u) << *message;
+    EXPECT_NE(message->find("; give the path of a readable file"),
+              std::string::npos)
+        << *message;
+  }
 }
 
 TEST(ObjMesh, HoldsItsLimits) {
@@ -319,23 +246,43 @@ TEST(ObjMesh, HoldsItsLimits) {
   EXPECT_THROW(ReadMesh(file.path(), {.triangles = 2}), InputError);
 }
 
+// Each damaged version of a good file is refused with a well-formed message, or
+// is a mesh. What the reader of bounds shares with this one is tested here.
 TEST(ObjMesh, MutationsAreRefusedOrGiveASoundMesh) {
-  ExpectSafeOnMutations(
-      "# mesh\r\n"
-      "mtllib a.mtl\n"
-      "v 0 0 0\nv 1.5 -2e1 +3 1\n\tv 1 1 0 .1 .2 .3\n v 0 1 0\n"
-      "vt 0 0\nvn 0 0 1\ng part\n"
-      "f 1 2 3\nf 1/1 2/1 3/1 4/1\nf -4//1 -3//1 -1//1\n"
-      "v 1e-3 1e+3 12345.678\nf 5 4 3 2 1",
-      ReadDefault, [](const Mesh& mesh) {
-        EXPECT_EQ(mesh.coords.size() % 3, 0u);
-        EXPECT_EQ(mesh.indices.size() % 3, 0u);
-        EXPECT_GT(mesh.triangles(), 0u);
-        EXPECT_TRUE(std::all_of(mesh.coords.begin(), mesh.coords.end(),
-                                [](float x) { return std::isfinite(x); }));
-        EXPECT_LT(*std::max_element(mesh.indices.begin(), mesh.indices.end()),
-                  mesh.vertices());
-      });
+  constexpr int kMutations = 8000;
+  std::mt19937 random(20240229);
+  int refused = 0;
+  for (int i = 0; i < kMutations; ++i) {
+    const std::string text = Mutated(
+        "# mesh\r\n"
+        "mtllib a.mtl\n"
+        "v 0 0 0\nv 1.5 -2e1 +3 1\n\tv 1 1 0 .1 .2 .3\n v 0 1 0\n"
+        "vt 0 0\nvn 0 0 1\ng part\n"
+        "f 1 2 3\nf 1/1 2/1 3/1 4/1\nf -4//1 -3//1 -1//1\n"
+        "v 1e-3 1e+3 12345.678\nf 5 4 3 2 1",
+        random);
+    const TempFile file(text);
+    const std::optional<std::string> message = ErrorOf(
+        [](const std::string& path) {
+          const Mesh mesh = ReadMesh(path);
+          EXPECT_EQ(mesh.coords.size() % 3, 0u);
+          EXPECT_EQ(mesh.indices.size() % 3, 0u);
+          EXPECT_GT(mesh.triangles(), 0u);
+          EXPECT_TRUE(std::all_of(mesh.coords.begin(), mesh.coords.end(),
+                                  [](float x) { return std::isfinite(x); }));
+          EXPECT_LT(*std::max_element(mesh.indices.begin(), mesh.indices.end()),
+                    mesh.vertices());
+        },
+        file.path());
+    if (message) {
+      ++refused;
+      ExpectWellFormed(*message, file.path());
+    }
+    if (HasFailure()) FAIL() << "on mutation " << i << ":\n" << text;
+  }
+  // Else the mutations are too weak, or too strong, to show anything.
+  EXPECT_GT(refused, kMutations / 10);
+  EXPECT_LT(refused, kMutations - kMutations / 10);
 }
 
 // ---- Bounds.
@@ -347,16 +294,10 @@ Boxes ReadBoxes(std::string_view content) {
 }
 
 TEST(BoundsReader, ReadsRowsInOrder) {
-  EXPECT_EQ(ReadBoxes("0,1,2,3,4,5\n-1.5,-2e1,+3,.5,6.,7\n"),
-            (Boxes{{{0, 1, 2}, {3, 4, 5}}, {{-1.5, -20, 3}, {.5, 6, 7}}}));
-}
-
-TEST(BoundsReader, ReadsPointsAndExtremes) {
-  EXPECT_EQ(ReadBoxes("1,2,3,1,2,3\n"
-                      "-3.4028235e38,-0,0.1,3.4028235e38,0,16777217\n"),
-            (Boxes{{{1, 2, 3}, {1, 2, 3}},
-                   {{-0x1.fffffep127f, 0, 0x1.99999ap-4f},
-                    {0x1.fffffep127f, 0, 16777216}}}));
+  EXPECT_EQ(ReadBoxes("0,1,2,3,4,5\n-1.5,-2e1,+3,.5,6.,7\n1,2,3,1,2,3\n"),
+            (Boxes{{{0, 1, 2}, {3, 4, 5}},
+                   {{-1.5, -20, 3}, {.5, 6, 7}},
+                   {{1, 2, 3}, {1, 2, 3}}}));
 }
 
 TEST(BoundsReader, SkipsHeaderCommentsBlanksAndLineEnds) {
@@ -391,7 +332,6 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         BadFile{"OnlyHeader", "# x\nminx,miny,minz,maxx,maxy,maxz\n", 2,
                 "the file ends without a box"},
-        BadFile{"OnlyBlankLines", "\n\n\n", 3, "the file ends without a box"},
         BadFile{"BinaryGarbage", "\xff\xfe\x01", 1,
                 "expected 6 fields with commas between them, found 1 in "
                 "\"\\xff\\xfe\\x01\""},
@@ -402,48 +342,23 @@ INSTANTIATE_TEST_SUITE_P(
                 "expected 6 fields with commas between them, found 7 in "
                 "\"0,0,0,1,1,1,\""},
         BadFile{"EmptyField", "\n0,0,,1,1,1\n", 2, "\"\" is not a number"},
-        BadFile{"TwoNumbersInAField", "0,0,0 0,1,1,1\n", 1,
-                "\"0 0\" is not a number"},
-        BadFile{"Hexadecimal", "0x1,0,0,1,1,1\n", 1, "\"0x1\" is not a number"},
         BadFile{"TrailingGarbage", "0,0,0,1,1,1m\n", 1,
                 "\"1m\" is not a number"},
         BadFile{"FirstOfTwoWrongFields", "0,one,0,nan,1,1\n", 1,
                 "\"one\" is not a number"},
         BadFile{"InvertedY", "# a\n0,1e1,0,1,1,1\n", 2,
                 "miny \"1e1\" is above maxy \"1\""},
-        BadFile{"InvertedZ", "0,0,1.5,1,1,1\n", 1,
-                "minz \"1.5\" is above maxz \"1\""},
         BadFile{"OtherHeader", "xmin,ymin,zmin,xmax,ymax,zmax\n", 1,
                 "\"xmin\" is not a number"},
         BadFile{"HeaderWithinRows",
                 "0,0,0,1,1,1\nminx,miny,minz,maxx,maxy,maxz\n", 2,
                 "\"minx\" is not a number"},
+        // The first line is as long as it may be.
         BadFile{"OverlongLine", RowOfLength(4096) + "\n" + RowOfLength(4097), 2,
                 "the line is 4097 characters long, expected at most 4096"},
         BadFile{"OverlongComment", std::string("#").append(4096, ' '), 1,
                 "the line is 4097 characters long, expected at most 4096"}),
     NameOf);
-
-TEST(BoundsReader, AcceptsTheLongestLine) {
-  EXPECT_EQ(ReadBoxes(RowOfLength(4096)), (Boxes{{{0, 0, 0}, {1, 1, 1}}}));
-}
-
-TEST(BoundsReader, MutationsAreRefusedOrGiveSoundBoxes) {
-  ExpectSafeOnMutations(
-      "# boxes\r\nminx,miny,minz,maxx,maxy,maxz\n"
-      "0,0,0,1,1,1\n -1.5, 2e1,\t-3 ,+4,50.25,6\r\n\n"
-      "1e-3,-1e+3,-12345.678,1,1,1\n-5,-5,-5,5,5,5",
-      ReadBounds, [](const Boxes& boxes) {
-        EXPECT_FALSE(boxes.empty());
-        for (const Aabb3& box : boxes) {
-          for (std::size_t k = 0; k < 3; ++k) {
-            EXPECT_TRUE(std::isfinite(box.min[k]));
-            EXPECT_TRUE(std::isfinite(box.max[k]));
-            EXPECT_LE(box.min[k], box.max[k]);
-          }
-        }
-      });
-}
 
 }  // namespace
 }  // namespace halfspace::bench

@@ -8,6 +8,7 @@
 #include <csetjmp>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,12 @@ std::string ToldOfAnIndex(const halfspace::AaboWorld3& world) {
   if (setjmp(before_the_error) == 0) world.Get(7);
   halfspace::SetErrorHandler(nullptr);
   return told;
+}
+
+void Check(bool is_right, const char* what) {
+  if (is_right) return;
+  std::fprintf(stderr, "wrong: %s\n", what);
+  std::exit(1);
 }
 
 using Triangle = std::array<float, 9>;
@@ -55,12 +62,7 @@ int main() {
     halfspace::SurvivorMask(world, query, mask, options);
     const std::size_t boxes =
         halfspace::CountSurvivors(world.view().aabb(), query.aabb(), options);
-    if (mask[0] != 0b01 || boxes != 2) {
-      std::fprintf(stderr, "%s: survivors %llx of 1, boxes %zu of 2\n",
-                   target.name().data(),
-                   static_cast<unsigned long long>(mask[0]), boxes);
-      return 1;
-    }
+    Check(mask[0] == 0b01 && boxes == 2, target.name().data());
   }
 
   // Enough objects to train on: quantized bounds answer wrongly if this file
@@ -69,53 +71,40 @@ int main() {
   for (std::size_t i = 0; i < 200; ++i) quantized_world.Push(world.Get(i % 2));
   const auto copy = quantized_world;
   const halfspace::QuantizedBounds<halfspace::AaboView3> quantized(world);
-  const std::size_t left[] = {
-      halfspace::CountSurvivors(quantized_world, query),
-      halfspace::CountSurvivors(copy.quantized(), query),
-      halfspace::CountSurvivors(quantized, query),
-      halfspace::CountSurvivors(halfspace::Refined(quantized, world), query)};
-  if (left[0] != 100 || left[1] != 100 || left[2] != 1 || left[3] != 1 ||
-      !copy.Fits() || !quantized.Fits()) {
-    std::fprintf(
-        stderr,
-        "survivors of quantized bounds: %zu, %zu of 100, %zu, %zu of 1\n",
-        left[0], left[1], left[2], left[3]);
-    return 1;
-  }
+  Check(halfspace::CountSurvivors(quantized_world, query) == 100 &&
+            halfspace::CountSurvivors(copy.quantized(), query) == 100 &&
+            copy.Fits(),
+        "a quantized world");
+  Check(halfspace::CountSurvivors(quantized, query) == 1 &&
+            halfspace::CountSurvivors(halfspace::Refined(quantized, world),
+                                      query) == 1 &&
+            quantized.Fits(),
+        "quantized bounds");
 
   // Lists as callers have them: the same calls from C++17 and from C++20.
   const std::vector<halfspace::Aabo3> bounds = {world.Get(1), world.Get(0)};
   const halfspace::AaboWorld3 turned(bounds);
   std::vector<std::uint32_t> indices(turned.size());
   std::uint32_t indices_of_cxx20[2];
-  if (halfspace::Survivors(turned, query, indices) != 1 ||
-      SurvivorsInCxx20(turned, query, indices_of_cxx20) != 1 ||
-      indices[0] != 1 || indices_of_cxx20[0] != 1) {
-    std::fprintf(stderr, "survivors %u and %u, expected 1\n", indices[0],
-                 indices_of_cxx20[0]);
-    return 1;
-  }
+  Check(halfspace::Survivors(turned, query, indices) == 1 && indices[0] == 1,
+        "a list of C++17");
+  Check(SurvivorsInCxx20(turned, query, indices_of_cxx20) == 1 &&
+            indices_of_cxx20[0] == 1,
+        "a list of C++20");
   const halfspace::Segment3 segment = {{0, 0, 0}, {4, 4, 4}};
   std::vector<halfspace::Aabo3> pieces(4);
   halfspace::BoundSegmentPieces(segment, pieces);
-  if (pieces[3] !=
-          halfspace::BoundSegment(halfspace::Segment3{{3, 3, 3}, {4, 4, 4}}) ||
-      pieces[3] == pieces[2]) {
-    std::fprintf(stderr, "a piece is not what it should be\n");
-    return 1;
-  }
-
-  if (ToldOfAnIndex(world) !=
-      "halfspace: World::Get: index: expected less than the size, 2, got 7") {
-    std::fprintf(stderr, "told of an index: %s\n", told.c_str());
-    return 1;
-  }
+  Check(pieces[3] == halfspace::BoundSegment(
+                         halfspace::Segment3{{3, 3, 3}, {4, 4, 4}}) &&
+            pieces[3] != pieces[2],
+        "a piece");
+  Check(
+      ToldOfAnIndex(world) ==
+          "halfspace: World::Get: index: expected less than the size, 2, got 7",
+      told.c_str());
   const halfspace::TargetChoice choice = halfspace::DescribeTargetChoice();
-  if (choice.target != halfspace::ChosenTarget() || !choice.error.empty()) {
-    std::fprintf(stderr, "the choice: %s, %s\n", choice.requested.data(),
-                 choice.error.data());
-    return 1;
-  }
+  Check(choice.target == halfspace::ChosenTarget() && choice.error.empty(),
+        "the choice of a target");
   std::printf("halfspace %s\n", HALFSPACE_VERSION_STRING);
   return 0;
 }
