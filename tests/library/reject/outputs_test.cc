@@ -118,17 +118,6 @@ INSTANTIATE_TEST_SUITE_P(Sizes, OutputsTest,
                          ::testing::Values(0, 1, 2, 63, 64, 65, 127, 128, 200,
                                            4096, 4161));
 
-// What is too long by far is no error, though its bytes have no number.
-TEST(ManyOutputsTest, PairsTakeNoMoreRoomThanThereArePairs) {
-  std::vector<std::uint32_t> query_indices(140);
-  std::vector<std::uint32_t> object_indices(140);
-  const std::size_t boundless = ~std::size_t{0} / sizeof(std::uint32_t);
-  EXPECT_EQ(SurvivorPairs(PointsOnX(70), LongerAndLonger(2),
-                          {query_indices.data(), boundless},
-                          {object_indices.data(), boundless}),
-            46u + 2u);
-}
-
 TEST(MaskWordsTest, RoundsUpWithoutOverflow) {
   EXPECT_EQ(MaskWords(0), 0u);
   EXPECT_EQ(MaskWords(1), 1u);
