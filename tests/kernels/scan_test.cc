@@ -82,7 +82,7 @@ using Views = ::testing::Types<SimplexView2, SimplexView3, SimplexView4,
 struct Names {
   template <typename View>
   static std::string GetName(int) {
-    return NameOf(Whole<View>());
+    return NameOf(View());
   }
 };
 TYPED_TEST_SUITE(ScanWordsTest, Views, Names);

@@ -374,7 +374,7 @@ void ExpectKnownAnswers(Target target) {
   }
   ASSERT_GT(bodies.pairs().size(), 100u);
   ASSERT_TRUE(bodies.Validate());
-  const std::string name = "BroadPhase" + NameOf(Whole<View>());
+  const std::string name = "BroadPhase" + NameOf(View());
   EXPECT_TRUE(IsKnown(name, sorted.value()));
 #if defined(__GLIBCXX__)
   // How std::nth_element arranges elements is up to the standard library.

@@ -58,7 +58,7 @@ class CpuChoicesTest : public ::testing::TestWithParam<FlatCase> {};
 
 TEST_P(CpuChoicesTest, TestLikeTheFlatKernel) {
   const FlatCase& kind = GetParam();
-  const bool is_simplex = kind.seen.kind == detail::PlaneLayout::kSimplex;
+  const bool is_simplex = kind.layout.kind == detail::PlaneLayout::kSimplex;
   Random random(1);
   // Whole pages, parts of one, and tiles of 4096 objects; with and without
   // tail.
@@ -82,7 +82,7 @@ TEST_P(CpuChoicesTest, TestLikeTheFlatKernel) {
           const auto expected = WordsOf(scan, scan.type->flat);
           for (bool is_wide : {false, true}) {
             scan.is_wide = is_wide;
-            for (ScanKernel kernel : KernelsOf(kind.seen.kind)) {
+            for (ScanKernel kernel : KernelsOf(kind.layout.kind)) {
               for (bool is_streaming : {false, true}) {
                 scan.is_streaming = is_streaming;
                 EXPECT_EQ(WordsOf(scan, kernel), expected)
@@ -101,8 +101,7 @@ TEST_P(CpuChoicesTest, TestLikeTheFlatKernel) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(, CpuChoicesTest,
-                         ::testing::ValuesIn(WholeFlatCases()),
+INSTANTIATE_TEST_SUITE_P(, CpuChoicesTest, ::testing::ValuesIn(AllFlatCases()),
                          ::testing::PrintToStringParamName());
 
 // Whole calls, also on quantized bounds, by half-spaces and of kernels.h. 5

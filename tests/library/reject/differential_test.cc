@@ -82,7 +82,7 @@ class DifferentialTest : public ::testing::TestWithParam<FlatCase> {
                        GuardedSide side) const {
     // Normals and offsets.
     const std::vector<float> values =
-        GetParam().seen.dims == 2
+        GetParam().layout.dims == 2
             ? std::vector<float>{1, 0, 0, 0.5f, -1, 1}
             : std::vector<float>{1, 0, 0, 0, 0.5f, -1, 0, 1};
     const auto survivors = [&](std::span<std::uint64_t> mask, Target target) {
@@ -108,7 +108,7 @@ class DifferentialTest : public ::testing::TestWithParam<FlatCase> {
     const std::size_t bytes = given.count * GetParam().query_bytes();
     for (GuardedSide side : {GuardedSide::kBefore, GuardedSide::kAfter}) {
       PlanePointers pointers{};
-      for (std::size_t p = 0; p < GetParam().stored.plane_count; ++p) {
+      for (std::size_t p = 0; p < GetParam().layout.plane_count; ++p) {
         const auto plane = guarded_->planes[p].Get<std::byte>(
             size * GetParam().scalar_bytes(), side);
         std::copy_n(input.Plane(p).begin(), plane.size(), plane.begin());
@@ -137,7 +137,7 @@ class DifferentialTest : public ::testing::TestWithParam<FlatCase> {
               << range.begin << ", " << range.end;
         }
       }
-      if (!GetParam().is_double && GetParam().seen.dims <= 3) {
+      if (!GetParam().is_double && GetParam().layout.dims <= 3) {
         CheckHalfSpaces(world, memory[0], side);
       }
     }
@@ -272,7 +272,6 @@ INSTANTIATE_TEST_SUITE_P(, DifferentialTest,
                          ::testing::ValuesIn(AllFlatCases()),
                          ::testing::PrintToStringParamName());
 
-// Planes that are seen as others have the same ranges.
 class RangeTest : public DifferentialTest {
  protected:
   static constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
@@ -325,7 +324,7 @@ TEST_P(RangeTest, RangesAcrossTiles) {
                          std::min(Scaled(ranges.size()), ranges.size())));
 }
 
-INSTANTIATE_TEST_SUITE_P(, RangeTest, ::testing::ValuesIn(WholeFlatCases()),
+INSTANTIATE_TEST_SUITE_P(, RangeTest, ::testing::ValuesIn(AllFlatCases()),
                          ::testing::PrintToStringParamName());
 
 #if defined(__unix__)

@@ -46,10 +46,10 @@ TEST_P(SpecialValuesTest, AreComparedInEveryLane) {
       special[i] = kSpecialValues<T>[i % kValues];
     }
     PlanePointers pointers{};
-    for (std::size_t p = 0; p < kind.seen.plane_count; ++p) {
+    for (std::size_t p = 0; p < kind.layout.plane_count; ++p) {
       pointers[p] = (kind.IsMinPlane(p) ? minima : maxima).data();
     }
-    for (std::size_t n = 0; n < kind.seen.plane_count * kValues; ++n) {
+    for (std::size_t n = 0; n < kind.layout.plane_count * kValues; ++n) {
       const std::size_t p = n / kValues;
       std::array<T, 10> values{};
       values[kind.Opposing(p)] = kSpecialValues<T>[n % kValues];
@@ -82,7 +82,7 @@ TEST_P(SpecialValuesTest, AreComparedInEveryLane) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, SpecialValuesTest,
-                         ::testing::ValuesIn(WholeFlatCases()),
+                         ::testing::ValuesIn(AllFlatCases()),
                          ::testing::PrintToStringParamName());
 
 // The functions of kernels.h by their names.

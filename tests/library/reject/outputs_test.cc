@@ -118,6 +118,19 @@ INSTANTIATE_TEST_SUITE_P(Sizes, OutputsTest,
                          ::testing::Values(0, 1, 2, 63, 64, 65, 127, 128, 200,
                                            4096, 4161));
 
+// Scans cannot tell them from other views.
+TEST(AaboViewTest, HasThePlanesOfSimplicesAndOfBoxes) {
+  const AaboWorld3 world(std::vector<Aabo3>(1));
+  const AaboView3 view = world.view();
+  const SimplexView3 simplices = view.simplex();
+  const AabbView3 boxes = view.aabb();
+  EXPECT_EQ(simplices.min, view.min);
+  EXPECT_TRUE(std::ranges::equal(boxes.min, std::span(view.min).first(3)));
+  EXPECT_TRUE(std::ranges::equal(boxes.max, std::span(view.max).first(3)));
+  EXPECT_EQ(simplices.size, 1u);
+  EXPECT_EQ(boxes.size, 1u);
+}
+
 TEST(MaskWordsTest, RoundsUpWithoutOverflow) {
   EXPECT_EQ(MaskWords(0), 0u);
   EXPECT_EQ(MaskWords(1), 1u);

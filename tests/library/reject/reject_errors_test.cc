@@ -98,7 +98,7 @@ class RejectErrorsTest : public ::testing::TestWithParam<FlatCase> {
   // checks everything.
   RejectErrorsTest() {
     dispatch::IndexOf({}, "RejectErrorsTest");
-    for (std::size_t p = 0; p < kind_.seen.plane_count; ++p) {
+    for (std::size_t p = 0; p < kind_.layout.plane_count; ++p) {
       planes_[p] = Plane(p);
     }
   }
@@ -144,7 +144,7 @@ class RejectErrorsTest : public ::testing::TestWithParam<FlatCase> {
 };
 
 TEST_P(RejectErrorsTest, BadPlanes) {
-  for (std::size_t p = 0; p < kind_.seen.plane_count; ++p) {
+  for (std::size_t p = 0; p < kind_.layout.plane_count; ++p) {
     planes_[p] = nullptr;
     ExpectAllRefuse(
         World(), Queries(), {}, kind_.PlaneName(p),
@@ -224,7 +224,7 @@ TEST_P(RejectErrorsTest, OutputsThatAreNoMemory) {
 
 // By one element, at either end of the plane.
 TEST_P(RejectErrorsTest, OutputOverlapsAPlane) {
-  for (std::size_t p = 0; p < kind_.seen.plane_count; ++p) {
+  for (std::size_t p = 0; p < kind_.layout.plane_count; ++p) {
     for (const Output& output : kOutputs) {
       std::byte* const end = Plane(p) + kObjects * bytes_;
       for (std::byte* at : {Plane(p) - output.bytes, end - output.bytes}) {
@@ -252,7 +252,7 @@ TEST_P(RejectErrorsTest, OutputOverlapsTheQueries) {
 // objects have no more than two survivors: what else the span has room for is
 // never written, and may be a plane.
 TEST_P(RejectErrorsTest, OutputRightBesideAPlaneIsFine) {
-  for (std::size_t p = 0; p + 1 < kind_.seen.plane_count; ++p) {
+  for (std::size_t p = 0; p + 1 < kind_.layout.plane_count; ++p) {
     std::byte* const gap = Plane(p) + kObjects * bytes_;
     planes_[p] = gap - 64 * bytes_;
     detail::RejectMask(World(64).Asked(Queries(1)),
@@ -403,7 +403,7 @@ TEST_P(RejectErrorsTest, PairsThatOverlapOneAnother) {
 }
 
 INSTANTIATE_TEST_SUITE_P(, RejectErrorsTest,
-                         ::testing::ValuesIn(WholeFlatCases()),
+                         ::testing::ValuesIn(AllFlatCases()),
                          ::testing::PrintToStringParamName());
 
 }  // namespace
