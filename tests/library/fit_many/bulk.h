@@ -214,12 +214,6 @@ class BulkSource {
     placed_ends_ = Copied(arena, ends);
   }
 
-  // The first shape again and again. Not of points.
-  void Repeat(std::size_t count) {
-    size = count;
-    stride_ = 0;
-  }
-
   Target Bound(const detail::Output& output, const FitOptions& options = {},
                FitStatus* status = nullptr) const {
     Target target;

@@ -126,19 +126,6 @@ TEST_P(FitManyTest, EverySizeStrideAndMisalignment) {
   }
 }
 
-TEST_P(FitManyTest, StrideZeroIsTheSameShape) {
-  const Bulk& bulk = GetParam();
-  if (bulk.IsOfPoints()) return;
-  Random random(74);
-  const BulkShapes one = RandomShapes(bulk, PointKind::kUniform, 1, random);
-  Arena arena;
-  BulkSource source(bulk, one);
-  source.Place(arena, BulkLayout::kColumns);
-  source.Repeat(kTile + 9);
-  BulkAnswers answers(bulk, BulkShapes(source.size, one[0]));
-  EXPECT_TRUE(answers.Check(source, arena));
-}
-
 // One bad shape among good ones, in every lane: what it becomes, how it is
 // counted, and that the others do not change.
 TEST_P(FitManyTest, IndicesAndEndsThatAreOutOfRange) {
@@ -479,6 +466,15 @@ TEST_F(FitManyErrorsTest, NeighboursAreNoOverlap) {
   EXPECT_NO_THROW(BoundBoxes(boxes_, output_));
   boxes_.min[0] = columns_[0].data() + 3 * kCount;
   EXPECT_NO_THROW(BoundBoxes(boxes_, output_));
+}
+
+TEST_F(FitManyErrorsTest, StrideZeroIsTheSameBox) {
+  columns_[0][1] = 0.f;
+  boxes_.stride = 0;
+  BoundBoxes(boxes_, output_);
+  std::vector<float> expected(16, kUntouched);
+  std::fill_n(expected.begin(), kCount, 1.f);
+  EXPECT_EQ(planes_[0], expected);
 }
 
 TEST_F(FitManyErrorsTest, TargetsAndOptions) {
