@@ -60,10 +60,9 @@ std::vector<FlatCase> AllFlatRows();
 
 // In those that are tested.
 [[maybe_unused]] static std::vector<FlatCase> AllFlatCases() {
-  return InDims(TestDims(), AllFlatRows(), [](const FlatCase& row) {
-    return std::size_t{row.layout.dims};
-  });
+  return InDims(TestDims(), AllFlatRows());
 }
+
 // The planes of a world, and a query.
 class FlatInput {
  public:
