@@ -12,7 +12,6 @@
 #include <span>
 #include <vector>
 
-#include "halfspace/fit.h"
 #include "halfspace/reject_many.h"
 #include "halfspace/reject_shapes.h"
 #include "tests/library/support/answers.h"
@@ -326,23 +325,6 @@ TEST_P(RangeTest, RangesAcrossTiles) {
 
 INSTANTIATE_TEST_SUITE_P(, RangeTest, ::testing::ValuesIn(AllFlatCases()),
                          ::testing::PrintToStringParamName());
-
-#if defined(__unix__)
-// The gap after the last point of a stride need not exist.
-TEST(GuardPagesFitTest, PointsEndAtAGuardPage) {
-  constexpr std::size_t kStride = 5;
-  const GuardedMemory memory(100 * kStride * sizeof(float));
-  for (std::size_t count = 1; count < 100; ++count) {
-    const std::size_t floats = (count - 1) * kStride + 3;
-    for (GuardedSide side : {GuardedSide::kBefore, GuardedSide::kAfter}) {
-      const auto coords = memory.Get<float>(floats, side);
-      std::fill(coords.begin(), coords.end(), 1.f);
-      EXPECT_EQ(BoundPoints<3>({coords.data(), count, kStride}),
-                (Aabo3{{1, 1, 1, -3}, {1, 1, 1, -3}}));
-    }
-  }
-}
-#endif
 
 }  // namespace
 }  // namespace halfspace::testing
