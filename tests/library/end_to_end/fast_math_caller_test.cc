@@ -45,13 +45,5 @@ TEST(FastMathCallerTest, NanIsKept) {
   ExpectAllKept(AaboWorld3(std::vector<Aabo3>(100, unit)), unknown);
 }
 
-TEST(FastMathCallerTest, NanCannotBeBounded) {
-  const float points[] = {0.f, NotANumber()};
-  FitStatus status;
-  const Aabo2 bound = BoundPoints<2>({points, 1}, &status);
-  EXPECT_EQ(bound, Aabo2::Everything());
-  EXPECT_EQ(status.everything, 1u);
-}
-
 }  // namespace
 }  // namespace halfspace::testing

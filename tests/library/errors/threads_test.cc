@@ -64,7 +64,7 @@ constexpr std::size_t kQueries = 5;
 TEST(RangeThreadsTest, TwoThreadsFillTheSameMasks) {
   Random random(11);
   for (const FlatCase& kind : AllFlatCases()) {
-    if (kind.seen.dims != 3) continue;
+    if (kind.layout.dims != 3) continue;
     SCOPED_TRACE(kind.name);
     const FlatInput input(kind, InputKind::kMixed, kObjects, random);
     const FlatQueries queries(kind, input, kQueries, random);

@@ -55,16 +55,18 @@ void WithPoints(PointLayout layout, const T* numbers, Use use) {
       layout == PointLayout::kSoa || layout == PointLayout::kIndexedSoa;
   const bool is_indexed = layout >= PointLayout::kIndexed;
   const std::size_t count = (is_indexed ? 2 : 1) * kPointsOfSet;
-  std::array<T, 2 * kPointsOfSet * kStride> room;
+  const std::size_t first = layout == PointLayout::kStrided ? kPointsOfSet : 0;
+  // The gap after the last point of a stride need not exist.
+  std::array<T, 2 * kPointsOfSet * kStride - (kStride - kDims)> room;
   room.fill(std::numeric_limits<T>::quiet_NaN());
   for (std::size_t i = 0; i < kPointsOfSet; ++i) {
-    const std::size_t place = is_indexed ? 2 * i + 1 : i;
+    const std::size_t place = is_indexed ? 2 * i + 1 : first + i;
     for (std::size_t k = 0; k < kDims; ++k) {
       room[is_soa ? k * count + place : place * kStride + k] =
           numbers[i * kDims + k];
     }
   }
-  const Points<kDims, T> points{room.data(), count, kStride};
+  const Points<kDims, T> points{&room[first * kStride], count, kStride};
   PointsSoa<kDims, T> soa{.coords = {}, .count = count};
   for (std::size_t k = 0; k < kDims; ++k) soa.coords[k] = &room[k * count];
   if (layout == PointLayout::kStrided) use(points);

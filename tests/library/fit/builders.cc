@@ -8,18 +8,7 @@
 
 namespace halfspace::testing {
 
-std::size_t Builder::minima() const {
-  // Circumscribe() turns a simplex over.
-  const Part none = change == Change::kCircumscribe && kind == Kind::kChange
-                        ? Part::kUp
-                        : Part::kDown;
-  return part == none ? 0 : part == Part::kAabb ? dims : dims + 1;
-}
-
-std::size_t Builder::maxima() const {
-  const Part none = change == Change::kCircumscribe && kind == Kind::kChange
-                        ? Part::kDown
-                        : Part::kUp;
+std::size_t Builder::PlanesBut(Part none) const {
   return part == none ? 0 : part == Part::kAabb ? dims : dims + 1;
 }
 

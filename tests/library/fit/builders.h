@@ -131,8 +131,15 @@ struct Builder {
 
   // Results, and the planes of each.
   std::size_t results() const { return kind == Kind::kPieces ? kPieces : 1; }
-  std::size_t minima() const;
-  std::size_t maxima() const;
+  // Circumscribe() turns a simplex over.
+  std::size_t minima() const {
+    return PlanesBut(change == Change::kCircumscribe ? Part::kUp : Part::kDown);
+  }
+  std::size_t maxima() const {
+    return PlanesBut(change == Change::kCircumscribe ? Part::kDown : Part::kUp);
+  }
+  // Planes on one side, which this part lacks.
+  std::size_t PlanesBut(Part none) const;
 
   Planes Everything() const {
     return Filled(-std::numeric_limits<float>::max());

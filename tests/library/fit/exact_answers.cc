@@ -541,8 +541,10 @@ bool IsRefusedChange(const Builder& builder, const Shape& shape) {
 
 }  // namespace
 
-Outcome Try(const Builder& builder, const Shape& shape) {
+Outcome Try(const Builder& builder, const Shape& shape,
+            const FitStatus& before) {
   Outcome outcome;
+  outcome.status = before;
   try {
     outcome.planes = builder.Build(shape, &outcome.status);
   } catch (const Error& error) {
@@ -557,9 +559,9 @@ Outcome Try(const Builder& builder, const Shape& shape) {
   const std::size_t results = outcome.is_refused ? 0 : builder.results();
   const bool is_everything =
       !outcome.is_refused && outcome.planes == builder.Everything();
-  if (outcome.status.results != results ||
+  if (outcome.status.results != kCountedBefore + results ||
       outcome.status.everything != (is_everything ? results : 0) ||
-      outcome.status.first_everything != 0) {
+      outcome.status.first_everything != (is_everything ? kCountedBefore : 0)) {
     return Expected("another status");
   }
   return builder.kind == Kind::kChange ? IsExactChange(builder, shape, outcome)

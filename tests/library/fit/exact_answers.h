@@ -225,14 +225,18 @@ inline ExactHull HullOf(const Builder& builder, const Shape& shape,
   return hull;
 }
 
+// The results that a status has counted before a call.
+inline constexpr std::size_t kCountedBefore = 10;
+
 struct Outcome {
   bool is_refused = false;
   std::string message;  // of the error
   Planes planes{};
-  FitStatus status{};
+  FitStatus status;
 };
 
-Outcome Try(const Builder& builder, const Shape& shape);
+Outcome Try(const Builder& builder, const Shape& shape,
+            const FitStatus& before = {.results = kCountedBefore});
 
 // The outcome is an error, Empty(), Everything() or a bound, as it must be. A
 // bound encloses the exact shape, and is as tight as the header says. All rows,

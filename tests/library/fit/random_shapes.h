@@ -296,36 +296,14 @@ inline SixPlanes RandomSheet(PointKind kind, Random& random) {
   return planes;
 }
 
-// x, y, z >= the origin's and x + y + z <= something: a corner of a box.
-inline SixPlanes RandomCorner(PointKind kind, Random& random) {
-  const auto origin = RandomPoint3(kind, random);
-  const auto length = [&] {
-    return static_cast<float>(RandomNumbers(kind, false, random).Length());
-  };
-  SixPlanes planes{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    planes[k].normal[k] = 1.f;
-    planes[k].offset = -origin[k];
-    planes[3].normal[k] = -1.f;
-  }
-  planes[3].offset = -Dot(planes[3].normal, origin) + length();
-  const std::size_t how = random() % 4;
-  if (how == 0) {
-    planes[4] = planes[5] = planes[random() % 4];
-    return planes;
-  }
-  // Without a normal: in front or on it everywhere, or behind it everywhere.
-  planes[4] = {{0.f, 0.f, 0.f}, how == 1 ? -0x1p-149f : 0.f};
-  planes[5] = {{0.f, -0.f, 0.f}, length()};
-  if (how == 2) planes[3] = planes[random() % 3];  // open
-  return planes;
-}
-
 // Neither the order of the planes nor the lengths of the normals matter.
 inline SixPlanes RandomFrustum(PointKind kind, Random& random) {
   constexpr SixPlanes (*kMakers[])(PointKind, Random&) = {
-      &RandomBox, &RandomHalfSpaces, &RandomSheet, &RandomCorner};
+      &RandomBox, &RandomHalfSpaces, &RandomSheet};
   SixPlanes planes = kMakers[random() % std::size(kMakers)](kind, random);
+  if (OneIn(8, random)) planes[0] = planes[random() % 6];
+  // Everywhere is in front of it, or nowhere.
+  if (OneIn(8, random)) planes[1].normal = {};
   for (HalfSpace3& plane : planes) {
     const int exponent = RandomExponent(-20, 4, random);
     for (float& x : plane.normal) x = std::ldexp(x, exponent);

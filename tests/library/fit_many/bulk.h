@@ -214,28 +214,6 @@ class BulkSource {
     placed_ends_ = Copied(arena, ends);
   }
 
-  // All shapes again and again, before they are placed. Not of point sets.
-  void Cycle(std::size_t count) {
-    const bool is_triangles = bulk_->kind == Kind::kTriangle;
-    const std::size_t period = is_triangles ? indices.size() : numbers_.size();
-    const std::size_t length =
-        is_triangles ? 3 * count : count * bulk_->columns();
-    for (std::size_t i = period; i < length; ++i) {
-      if (is_triangles) {
-        indices.push_back(indices[i - period]);
-      } else {
-        numbers_.push_back(numbers_[i - period]);
-      }
-    }
-    size = count;
-  }
-
-  // The first shape again and again. Not of points.
-  void Repeat(std::size_t count) {
-    size = count;
-    stride_ = 0;
-  }
-
   Target Bound(const detail::Output& output, const FitOptions& options = {},
                FitStatus* status = nullptr) const {
     Target target;

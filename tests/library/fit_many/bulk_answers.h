@@ -83,7 +83,6 @@ class BulkAnswers {
   ::testing::AssertionResult Check(const BulkSource& source, Arena& arena,
                                    std::uint32_t wanted = 0xFFFFFFFF,
                                    FpMode mode = FpMode::kDefault) {
-    constexpr std::size_t kBefore = 10;  // results that are counted already
     const BulkOutput built(bulk_, source.size, arena);
     detail::Output output;
     output.size = source.size;
@@ -94,10 +93,10 @@ class BulkAnswers {
       output.Want(p, built.output().planes[p]);
     }
     const Planes everything = bulk_.single().Everything();
-    FitStatus expected{.results = kBefore + source.size};
+    FitStatus expected{.results = kCountedBefore + source.size};
     for (std::size_t i = 0; i < source.size; ++i) {
       if (expected_[i] == everything && expected.everything++ == 0) {
-        expected.first_everything = kBefore + i;
+        expected.first_everything = kCountedBefore + i;
       }
     }
     for (Target target : TargetsUnderTest()) {
@@ -108,7 +107,7 @@ class BulkAnswers {
       };
       FitOptions options = options_;
       options.target = target;
-      FitStatus status{.results = kBefore};
+      FitStatus status{.results = kCountedBefore};
       Target ran;
       RunIn(mode, [&] { ran = source.Bound(output, options, &status); });
       if (ran != target) return wrong() << "ran on " << ran.name();

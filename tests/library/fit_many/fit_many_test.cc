@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <limits>
 #include <string>
@@ -125,19 +126,6 @@ TEST_P(FitManyTest, EverySizeStrideAndMisalignment) {
   }
 }
 
-TEST_P(FitManyTest, StrideZeroIsTheSameShape) {
-  const Bulk& bulk = GetParam();
-  if (bulk.IsOfPoints()) return;
-  Random random(74);
-  const BulkShapes one = RandomShapes(bulk, PointKind::kUniform, 1, random);
-  Arena arena;
-  BulkSource source(bulk, one);
-  source.Place(arena, BulkLayout::kColumns);
-  source.Repeat(kTile + 9);
-  BulkAnswers answers(bulk, BulkShapes(source.size, one[0]));
-  EXPECT_TRUE(answers.Check(source, arena));
-}
-
 // One bad shape among good ones, in every lane: what it becomes, how it is
 // counted, and that the others do not change.
 TEST_P(FitManyTest, IndicesAndEndsThatAreOutOfRange) {
@@ -193,47 +181,49 @@ TEST(FitManyLargeTest, AreTheSameAsSmallOnes) {
   GTEST_SKIP() << "only on x86 do large builds take a path of their own";
 #endif
   constexpr std::size_t kLarge = 4 * (std::size_t{1} << 20) + 64 + 3;
-  constexpr std::size_t kSmall = 4093;  // prime: no two tiles are alike
-  for (const Bulk& bulk : Bulks()) {
-    // Point sets are written one by one whatever their number.
-    if (bulk.dims != 3 || bulk.is_double || bulk.kind == Kind::kPoints) {
-      continue;
+  constexpr std::size_t kSmall = 4093;
+  std::array<std::vector<float>, 6> columns;
+  Random random(80);
+  for (auto& column : columns) {
+    for (std::size_t i = 0; i < kLarge; ++i) {
+      // Boxes between -2^8 and 2^8.
+      const float value = 0x1p-8f * static_cast<float>(random() >> 48);
+      column.push_back(&column < &columns[3] ? -value : value);
     }
-    SCOPED_TRACE(bulk.name);
-    Random random(80);
-    const BulkShapes some =
-        RandomShapes(bulk, PointKind::kUniform, kSmall, random);
-    BulkSource small(bulk, some);
-    BulkSource large(bulk, some);
-    large.Cycle(kLarge);
-    for (BulkLayout layout : {BulkLayout::kColumns, BulkLayout::kPacked}) {
-      Arena arena;
-      small.Place(arena, layout);
-      large.Place(arena, layout);
-      const BulkOutput expected(bulk, kSmall, arena);
-      small.Bound(expected.output());
-      const BulkOutput built(bulk, kLarge, arena);
-      Arena misaligned(1);
-      detail::Output output = built.output();
-      if (layout == BulkLayout::kPacked) {
-        output.planes[7] = misaligned.New<float>(kLarge);
-      }
-      for (Target target : TargetsUnderTest()) {
-        FitStatus status;
-        large.Bound(output, {.target = target}, &status);
+  }
+  const auto bound = [&](std::size_t begin, detail::Output output,
+                         std::size_t count, Target target, FitStatus* status) {
+    Boxes3 boxes{.count = output.size = count};
+    for (std::size_t k = 0; k < 3; ++k) {
+      boxes.min[k] = &columns[k][begin];
+      boxes.max[k] = &columns[k + 3][begin];
+    }
+    detail::BoundBoxes(detail::SourceOf<detail::kFitBoxes>(boxes), output,
+                       {.target = target}, status);
+  };
+  const Bulk bulk{"", Kind::kBox, 3, false};
+  for (bool is_misaligned : {false, true}) {
+    Arena arena;
+    Arena misaligned(1);
+    const BulkOutput small(bulk, kSmall, arena);
+    detail::Output output = BulkOutput(bulk, kLarge, arena).output();
+    if (is_misaligned) output.planes[7] = misaligned.New<float>(kLarge);
+    for (Target target : TargetsUnderTest()) {
+      FitStatus status;
+      bound(0, output, kLarge, target, &status);
+      for (std::size_t i = 0; i < kLarge; i += kSmall) {
+        const std::size_t count = std::min(kSmall, kLarge - i);
+        bound(i, small.output(), count, target, nullptr);
         for (std::size_t p = 0; p < bulk.planes(); ++p) {
-          float* const plane = output.planes[p];
-          for (std::size_t i = 0; i < kLarge; i += kSmall) {
-            const std::size_t count = std::min(kSmall, kLarge - i);
-            ASSERT_TRUE(std::equal(plane + i, plane + i + count,
-                                   expected.output().planes[p]))
-                << "plane " << p << ", from shape " << i;
-          }
-          std::fill(plane, plane + kLarge, 0.f);
+          float* const plane = output.planes[p] + i;
+          ASSERT_TRUE(
+              std::equal(plane, plane + count, small.output().planes[p]))
+              << "plane " << p << ", from shape " << i;
+          std::fill(plane, plane + count, 0.f);
         }
-        ASSERT_TRUE(arena.Intact() && misaligned.Intact());
-        ASSERT_EQ(status.results, kLarge);
       }
+      ASSERT_TRUE(arena.Intact() && misaligned.Intact());
+      ASSERT_EQ(status.results, kLarge);
     }
   }
 }
@@ -295,8 +285,6 @@ TEST(FitManyKnownTest, EveryKindOfSourceAndOfPlanes) {
 constexpr std::size_t kCount = 3;
 constexpr std::size_t kHuge = std::numeric_limits<std::size_t>::max();
 
-enum class Call { kBoxes, kSpheres, kTriangles, kPointSets };
-
 class FitManyErrorsTest : public ::testing::Test {
  protected:
   using Parts = std::initializer_list<std::string_view>;
@@ -318,38 +306,27 @@ class FitManyErrorsTest : public ::testing::Test {
     }
   }
 
-  // With what the members hold; of points, those of `points`.
-  template <typename AnyPoints>
-  void Make(Call call, const AnyPoints& points, FitStatus* status) {
-    switch (call) {
-      case Call::kBoxes:
-        BoundBoxes(boxes_, output_, options_, status);
-        break;
-      case Call::kSpheres:
-        BoundSpheres(spheres_, output_, options_, status);
-        break;
-      case Call::kTriangles:
-        BoundTriangles(points, indices_, output_, options_, status);
-        break;
-      case Call::kPointSets:
-        BoundPointSets(points, ends_, output_, options_, status);
-        break;
+  void ExpectRefused(const std::function<void()>& call, Parts parts) {
+    EXPECT_TRUE(Refuses(call, parts));
+    EXPECT_EQ(status_.results, 0u);
+    for (const auto& plane : planes_) {
+      EXPECT_EQ(plane, std::vector<float>(16, kUntouched));
     }
   }
 
-  template <typename AnyPoints>
-  void ExpectRefused(Call call, const AnyPoints& points, Parts parts) {
-    FitStatus status;
-    EXPECT_TRUE(Refuses([&] { Make(call, points, &status); }, parts));
-    EXPECT_EQ(status.results, 0u);
-    for (const auto& plane : planes_) {
-      EXPECT_TRUE(std::all_of(plane.begin(), plane.end(),
-                              [](float value) { return value == kUntouched; }));
-    }
-  }
-  void ExpectRefused(Call call, Parts parts) {
-    ExpectRefused(call, points_, parts);
-  }
+  // With what the members hold.
+  const std::function<void()> boxes_call_ = [this] {
+    BoundBoxes(boxes_, output_, options_, &status_);
+  };
+  const std::function<void()> spheres_call_ = [this] {
+    BoundSpheres(spheres_, output_, options_, &status_);
+  };
+  const std::function<void()> triangles_call_ = [this] {
+    BoundTriangles(points_, indices_, output_, options_, &status_);
+  };
+  const std::function<void()> point_sets_call_ = [this] {
+    BoundPointSets(points_, ends_, output_, options_, &status_);
+  };
 
   static constexpr float kUntouched = 77.f;
 
@@ -360,6 +337,7 @@ class FitManyErrorsTest : public ::testing::Test {
   PointsSoa3 points_;
   AaboPlanes3 output_;
   FitOptions options_;
+  FitStatus status_;
   std::vector<std::uint32_t> list_ = {0, 1, 2, 0, 1, 2, 0, 1, 2};
   std::vector<std::size_t> end_list_ = {1, 2, 3};
   Span<const std::uint32_t> indices_ = list_;
@@ -367,7 +345,7 @@ class FitManyErrorsTest : public ::testing::Test {
 };
 
 TEST_F(FitManyErrorsTest, NullAndMisalignedPointers) {
-  const auto refused = [&](Call call, const float*& pointer,
+  const auto refused = [&](const auto& call, const float*& pointer,
                            std::string_view argument,
                            std::string_view expected) {
     const float* const before = pointer;
@@ -378,53 +356,55 @@ TEST_F(FitManyErrorsTest, NullAndMisalignedPointers) {
     ExpectRefused(call, {argument, ": expected", "aligned to 4", "misaligned"});
     pointer = before;
   };
-  refused(Call::kBoxes, boxes_.max[0], "BoundBoxes: boxes.max[0]", "3 boxes");
-  refused(Call::kBoxes, boxes_.min[2], "BoundBoxes: boxes.min[2]", "3 boxes");
-  refused(Call::kSpheres, spheres_.radius, "BoundSpheres: spheres.radius",
+  refused(boxes_call_, boxes_.max[0], "BoundBoxes: boxes.max[0]", "3 boxes");
+  refused(boxes_call_, boxes_.min[2], "BoundBoxes: boxes.min[2]", "3 boxes");
+  refused(spheres_call_, spheres_.radius, "BoundSpheres: spheres.radius",
           "3 spheres");
-  refused(Call::kSpheres, spheres_.center[2], "BoundSpheres: spheres.center[2]",
+  refused(spheres_call_, spheres_.center[2], "BoundSpheres: spheres.center[2]",
           "3 spheres");
-  refused(Call::kTriangles, points_.coords[1],
+  refused(triangles_call_, points_.coords[1],
           "BoundTriangles: vertices.coords[1]", "3 vertices");
-  refused(Call::kPointSets, points_.coords[1],
+  refused(point_sets_call_, points_.coords[1],
           "BoundPointSets: points.coords[1]", "3 points");
   const Points3 none{nullptr, kCount};
-  ExpectRefused(Call::kTriangles, none,
-                {"vertices.coords: expected 3 vertices", "a null pointer"});
-  ExpectRefused(Call::kPointSets, none,
-                {"points.coords: expected 3 points", "a null pointer"});
+  ExpectRefused(
+      [&] { BoundTriangles(none, indices_, output_, options_, &status_); },
+      {"vertices.coords: expected 3 vertices", "a null pointer"});
+  ExpectRefused(
+      [&] { BoundPointSets(none, ends_, output_, options_, &status_); },
+      {"points.coords: expected 3 points", "a null pointer"});
   const Aabb3* const no_boxes = nullptr;
   boxes_ = BoxesOf(Span<const Aabb3>(no_boxes, kCount));
-  ExpectRefused(Call::kBoxes, {"BoundBoxes: boxes.min[0]: expected", "a null"});
+  ExpectRefused(boxes_call_, {"BoundBoxes: boxes.min[0]: expected", "a null"});
 }
 
 TEST_F(FitManyErrorsTest, OutputsAndIndicesThatAreNoMemory) {
   output_.max[3] = nullptr;
-  ExpectRefused(Call::kBoxes, {"BoundBoxes: planes.max[3]", "a null pointer"});
+  ExpectRefused(boxes_call_, {"BoundBoxes: planes.max[3]", "a null pointer"});
   output_.max[3] = Misaligned(planes_[7].data());
-  ExpectRefused(Call::kBoxes, {"BoundBoxes: planes.max[3]", "misaligned"});
+  ExpectRefused(boxes_call_, {"BoundBoxes: planes.max[3]", "misaligned"});
   output_.max[3] = planes_[7].data();
   output_.size = 2;
   const std::uint32_t* const indices = list_.data();
   indices_ = {Misaligned(indices), 6};
-  ExpectRefused(Call::kTriangles,
+  ExpectRefused(triangles_call_,
                 {"BoundTriangles: indices", "aligned to 4", "misaligned"});
   const std::size_t* const ends = end_list_.data();
   ends_ = {Misaligned(ends), 2};
-  ExpectRefused(Call::kPointSets,
+  ExpectRefused(point_sets_call_,
                 {"BoundPointSets: ends", "aligned to 8", "misaligned"});
 }
 
 TEST_F(FitManyErrorsTest, SizesThatDiffer) {
   boxes_.count = spheres_.count = kCount - 1;
-  ExpectRefused(Call::kBoxes, {"BoundBoxes: boxes.count: expected 3", "got 2"});
-  ExpectRefused(Call::kSpheres,
+  ExpectRefused(boxes_call_, {"BoundBoxes: boxes.count: expected 3", "got 2"});
+  ExpectRefused(spheres_call_,
                 {"BoundSpheres: spheres.count: expected 3", "got 2"});
   indices_ = {list_.data(), 8};
-  ExpectRefused(Call::kTriangles,
+  ExpectRefused(triangles_call_,
                 {"BoundTriangles: indices.size(): expected 9", "got 8"});
   ends_ = {end_list_.data(), 2};
-  ExpectRefused(Call::kPointSets,
+  ExpectRefused(point_sets_call_,
                 {"BoundPointSets: ends.size(): expected 3", "got 2"});
 }
 
@@ -435,45 +415,47 @@ TEST_F(FitManyErrorsTest, BeyondTheAddressSpace) {
   const Points3 strided{columns_[0].data(), kCount, kHuge / 4};
   const std::string given = "got " + std::to_string(kHuge / 4);
   const std::string stride = "stride: expected a stride with which 3 ";
-  ExpectRefused(Call::kBoxes, {"BoundBoxes: boxes.", stride, given});
-  ExpectRefused(Call::kSpheres, {"BoundSpheres: spheres.", stride, given});
-  ExpectRefused(Call::kTriangles, strided,
-                {"BoundTriangles: vertices.", stride, given});
-  ExpectRefused(Call::kPointSets, strided,
-                {"BoundPointSets: points.", stride, given});
+  ExpectRefused(boxes_call_, {"BoundBoxes: boxes.", stride, given});
+  ExpectRefused(spheres_call_, {"BoundSpheres: spheres.", stride, given});
+  ExpectRefused(
+      [&] { BoundTriangles(strided, indices_, output_, options_, &status_); },
+      {"BoundTriangles: vertices.", stride, given});
+  ExpectRefused(
+      [&] { BoundPointSets(strided, ends_, output_, options_, &status_); },
+      {"BoundPointSets: points.", stride, given});
   boxes_.count = output_.size = kHuge / 4;
   boxes_.stride = 2;
-  ExpectRefused(Call::kBoxes,
+  ExpectRefused(boxes_call_,
                 {"BoundBoxes: boxes.count: expected", "stride 2", given});
   boxes_.count = output_.size = kHuge;
   boxes_.stride = 0;
-  ExpectRefused(Call::kBoxes,
+  ExpectRefused(boxes_call_,
                 {"BoundBoxes", "planes.size: expected", "address space"});
   output_.size = kHuge / 3 + 1;
-  ExpectRefused(Call::kTriangles,
+  ExpectRefused(triangles_call_,
                 {"BoundTriangles", "planes.size: expected", "address space"});
   output_.size = kCount;
   points_.count = kHuge;
-  ExpectRefused(Call::kPointSets, {"BoundPointSets: points.count: expected"});
+  ExpectRefused(point_sets_call_, {"BoundPointSets: points.count: expected"});
 }
 
 TEST_F(FitManyErrorsTest, OutputsThatOverlap) {
   output_.max[1] = planes_[2].data() + kCount - 1;
-  ExpectRefused(Call::kBoxes, {"BoundBoxes", "planes.m", "apart from",
-                               "planes.m", "got an overlap"});
+  ExpectRefused(boxes_call_, {"BoundBoxes", "planes.m", "apart from",
+                              "planes.m", "got an overlap"});
   output_.max[1] = columns_[4].data() + kCount - 1;
-  ExpectRefused(Call::kBoxes, {"BoundBoxes", "planes.max[1]: expected",
-                               "apart from boxes.max[1]", "got an overlap"});
+  ExpectRefused(boxes_call_, {"BoundBoxes", "planes.max[1]: expected",
+                              "apart from boxes.max[1]", "got an overlap"});
   EXPECT_EQ(columns_[4], std::vector<float>(16, 1.f));
   // Between the values of a column is inside it.
   boxes_.stride = 2;
   output_.max[1] = columns_[4].data() + 4;
-  ExpectRefused(Call::kBoxes, {"planes.max[1]", "apart from boxes.max[1]"});
+  ExpectRefused(boxes_call_, {"planes.max[1]", "apart from boxes.max[1]"});
   output_.max[1] = reinterpret_cast<float*>(&list_[6]);
-  ExpectRefused(Call::kTriangles,
+  ExpectRefused(triangles_call_,
                 {"BoundTriangles", "planes.max[1]", "apart from indices"});
   output_.max[1] = reinterpret_cast<float*>(end_list_.data()) + 5;
-  ExpectRefused(Call::kPointSets,
+  ExpectRefused(point_sets_call_,
                 {"BoundPointSets", "planes.max[1]", "apart from ends"});
 }
 
@@ -486,13 +468,22 @@ TEST_F(FitManyErrorsTest, NeighboursAreNoOverlap) {
   EXPECT_NO_THROW(BoundBoxes(boxes_, output_));
 }
 
+TEST_F(FitManyErrorsTest, StrideZeroIsTheSameBox) {
+  columns_[0][1] = 0.f;
+  boxes_.stride = 0;
+  BoundBoxes(boxes_, output_);
+  std::vector<float> expected(16, kUntouched);
+  std::fill_n(expected.begin(), kCount, 1.f);
+  EXPECT_EQ(planes_[0], expected);
+}
+
 TEST_F(FitManyErrorsTest, TargetsAndOptions) {
   options_.target = Target::FromHighwayBit(3);  // two bits
-  ExpectRefused(Call::kBoxes, {"BoundBoxes", "target"});
+  ExpectRefused(boxes_call_, {"BoundBoxes", "target"});
   options_ = {.inverted = static_cast<Inverted>(7)};
-  ExpectRefused(Call::kBoxes, {"BoundBoxes", "options.inverted", "got 7"});
+  ExpectRefused(boxes_call_, {"BoundBoxes", "options.inverted", "got 7"});
   boxes_.count = output_.size = 0;
-  ExpectRefused(Call::kBoxes, {"BoundBoxes", "options.inverted", "got 7"});
+  ExpectRefused(boxes_call_, {"BoundBoxes", "options.inverted", "got 7"});
 }
 
 // Null pointers are fine where there is nothing.
@@ -515,10 +506,8 @@ TEST_F(FitManyErrorsTest, Doubles) {
   boxes.min.fill(ones.data());
   boxes.max.fill(ones.data());
   const auto refused = [&](Parts parts) {
-    FitStatus status;
-    EXPECT_TRUE(
-        Refuses([&] { BoundBoxes(boxes, output_, options_, &status); }, parts));
-    EXPECT_EQ(status.results, 0u);
+    ExpectRefused([&] { BoundBoxes(boxes, output_, options_, &status_); },
+                  parts);
   };
   boxes.max[1] = reinterpret_cast<const double*>(room.data() + 1);
   refused({"BoundBoxes: boxes.max[1]: expected", "aligned to 8 bytes"});

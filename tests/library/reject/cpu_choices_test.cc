@@ -3,23 +3,20 @@
 // (dispatch/targets/detect_targets.h), so all are tested on every machine.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "dispatch/targets/chosen_target.h"
 #include "dispatch/targets/detect_targets.h"
-#include "halfspace/fit.h"
-#include "halfspace/kernels.h"
-#include "halfspace/quantized.h"
-#include "halfspace/reject_many.h"
 #include "halfspace/reject_shapes.h"
 #include "kernels/scan/kernel_table.h"
+#include "tests/library/support/answers.h"
 #include "tests/library/support/environment.h"
 #include "tests/library/support/flat_cases.h"
+#include "tests/library/support/owners.h"
+#include "tests/library/support/quantized_cases.h"
 
 namespace halfspace::testing {
 namespace {
@@ -61,7 +58,7 @@ class CpuChoicesTest : public ::testing::TestWithParam<FlatCase> {};
 
 TEST_P(CpuChoicesTest, TestLikeTheFlatKernel) {
   const FlatCase& kind = GetParam();
-  const bool is_simplex = kind.seen.kind == detail::PlaneLayout::kSimplex;
+  const bool is_simplex = kind.layout.kind == detail::PlaneLayout::kSimplex;
   Random random(1);
   // Whole pages, parts of one, and tiles of 4096 objects; with and without
   // tail.
@@ -85,7 +82,7 @@ TEST_P(CpuChoicesTest, TestLikeTheFlatKernel) {
           const auto expected = WordsOf(scan, scan.type->flat);
           for (bool is_wide : {false, true}) {
             scan.is_wide = is_wide;
-            for (ScanKernel kernel : KernelsOf(kind.seen.kind)) {
+            for (ScanKernel kernel : KernelsOf(kind.layout.kind)) {
               for (bool is_streaming : {false, true}) {
                 scan.is_streaming = is_streaming;
                 EXPECT_EQ(WordsOf(scan, kernel), expected)
@@ -104,64 +101,43 @@ TEST_P(CpuChoicesTest, TestLikeTheFlatKernel) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(, CpuChoicesTest,
-                         ::testing::ValuesIn(WholeFlatCases()),
+INSTANTIATE_TEST_SUITE_P(, CpuChoicesTest, ::testing::ValuesIn(AllFlatCases()),
                          ::testing::PrintToStringParamName());
 
 // Whole calls, also on quantized bounds, by half-spaces and of kernels.h. 5
 // queries: four share their loads, and one does not.
 TEST(WideVectorsTest, CallsHaveTheSameAnswers) {
+  const std::vector<Target> targets = TargetsUnderTest();
+  // A call that has to find its target sets the choice.
+  for (Target target : targets) dispatch::IndexOf(target, "cpu_choices_test");
   Random random(1);
-  const auto between = [&](float low, float high) {
-    return std::uniform_real_distribution<float>(low, high)(random);
-  };
-  const auto box_of = [&](float size) {
-    Aabb3 box;
-    for (int k = 0; k < 3; ++k) {
-      box.min[k] = between(0, 1);
-      box.max[k] = box.min[k] + size;
-    }
-    return BoundAabb(box);
-  };
-  AaboWorld3 world;
-  for (int i = 0; i < 5000; ++i) world.Push(box_of(0.1f));
-  const QuantizedWorld<AaboView3> bytes(world);
-  const QuantizedWorld<AaboView3, std::uint16_t> words(world);
-  std::vector<Aabo3> queries;
-  for (int q = 0; q < 5; ++q) queries.push_back(box_of(0.3f));
-  const std::vector<HalfSpace3> half_spaces = {{{1, 2, 3}, 2.0f},
-                                               {{-1, 0, 0}, 0.1f}};
-  const std::size_t row = MaskWords(world.size());
-  for (Target target : TargetsUnderTest()) {
-    const Options options{.target = target};
-    std::vector<std::uint64_t> answers[2];
+  for (const QuantizedRow& row : QuantizedRows()) {
+    if (row.layout.dims != 3) continue;
+    SCOPED_TRACE(row.name);
+    const auto values = MakeQuantizedValues(
+        row.layout, QuantizedInputKind::kUniform, 5000, random);
+    const auto queries = MakeQuantizedQueries(row.layout, values, 5, random);
+    const AnyQuantized all = row.Make(values);
+    const float half_spaces[] = {1, 2, 3, 2, -1, 0, 0, 10};
+    std::vector<std::uint64_t> mask(MaskWords(5000));
+    std::vector<std::uint64_t> expected;
     for (bool is_wide : {false, true}) {
-      auto& masks = answers[is_wide];
-      masks.resize(row * (3 * queries.size() + 2));
-      const auto part = [&](std::size_t first, std::size_t rows) {
-        return Span<std::uint64_t>(masks.data() + first * row, rows * row);
-      };
-      dispatch::IndexOf(target, "cpu_choices_test");
       dispatch::wide_vectors_pay = is_wide;
-      SurvivorMasks(world, queries, part(0, 5), options);
-      SurvivorMasks(bytes, queries, part(5, 5), options);
-      SurvivorMasks(words, queries, part(10, 5), options);
-      SurvivorMask(world, half_spaces, part(15, 1), options);
-      const float* planes[8];
-      float query[8];
-      for (std::size_t k = 0; k < 4; ++k) {
-        planes[k] = world.view().min[k];
-        planes[4 + k] = world.view().max[k];
-        query[k] = queries[0].min[k];
-        query[4 + k] = queries[0].max[k];
+      for (std::size_t count : {1, 5}) {
+        const AnyQueries some(queries.data(), count);
+        const Answers exact = Answers::OfReference(all.floats(), some);
+        EXPECT_TRUE(AnswersEverywhere(exact, all.floats(), some, targets));
+        EXPECT_TRUE(QuantizedAnswersEverywhere(all.quantized(), all.refined(),
+                                               exact, some, targets));
       }
-      KernelsOf<float>(target).octahedra3.one(planes, world.size(), query,
-                                              part(16, 1).data());
+      for (Target target : targets) {
+        detail::SurvivorMask(
+            detail::HalfSpaceScan{all.floats().Asked({}), half_spaces, 2}, mask,
+            {.target = target});
+        if (expected.empty()) expected = mask;
+        EXPECT_EQ(mask, expected) << target.name();
+      }
     }
-    EXPECT_EQ(answers[0], answers[1]) << target.name();
-    EXPECT_TRUE(std::equal(answers[0].begin(),
-                           answers[0].begin() + std::ptrdiff_t(row),
-                           answers[0].end() - std::ptrdiff_t(row)));
   }
   dispatch::wide_vectors_pay = dispatch::DetectWideVectorsPay();
 }

@@ -12,7 +12,6 @@
 #include <span>
 #include <vector>
 
-#include "halfspace/fit.h"
 #include "halfspace/reject_many.h"
 #include "halfspace/reject_shapes.h"
 #include "tests/library/support/answers.h"
@@ -82,7 +81,7 @@ class DifferentialTest : public ::testing::TestWithParam<FlatCase> {
                        GuardedSide side) const {
     // Normals and offsets.
     const std::vector<float> values =
-        GetParam().seen.dims == 2
+        GetParam().layout.dims == 2
             ? std::vector<float>{1, 0, 0, 0.5f, -1, 1}
             : std::vector<float>{1, 0, 0, 0, 0.5f, -1, 0, 1};
     const auto survivors = [&](std::span<std::uint64_t> mask, Target target) {
@@ -108,7 +107,7 @@ class DifferentialTest : public ::testing::TestWithParam<FlatCase> {
     const std::size_t bytes = given.count * GetParam().query_bytes();
     for (GuardedSide side : {GuardedSide::kBefore, GuardedSide::kAfter}) {
       PlanePointers pointers{};
-      for (std::size_t p = 0; p < GetParam().stored.plane_count; ++p) {
+      for (std::size_t p = 0; p < GetParam().layout.plane_count; ++p) {
         const auto plane = guarded_->planes[p].Get<std::byte>(
             size * GetParam().scalar_bytes(), side);
         std::copy_n(input.Plane(p).begin(), plane.size(), plane.begin());
@@ -137,7 +136,7 @@ class DifferentialTest : public ::testing::TestWithParam<FlatCase> {
               << range.begin << ", " << range.end;
         }
       }
-      if (!GetParam().is_double && GetParam().seen.dims <= 3) {
+      if (!GetParam().is_double && GetParam().layout.dims <= 3) {
         CheckHalfSpaces(world, memory[0], side);
       }
     }
@@ -272,7 +271,6 @@ INSTANTIATE_TEST_SUITE_P(, DifferentialTest,
                          ::testing::ValuesIn(AllFlatCases()),
                          ::testing::PrintToStringParamName());
 
-// Planes that are seen as others have the same ranges.
 class RangeTest : public DifferentialTest {
  protected:
   static constexpr std::size_t kMost = std::numeric_limits<std::size_t>::max();
@@ -325,25 +323,8 @@ TEST_P(RangeTest, RangesAcrossTiles) {
                          std::min(Scaled(ranges.size()), ranges.size())));
 }
 
-INSTANTIATE_TEST_SUITE_P(, RangeTest, ::testing::ValuesIn(WholeFlatCases()),
+INSTANTIATE_TEST_SUITE_P(, RangeTest, ::testing::ValuesIn(AllFlatCases()),
                          ::testing::PrintToStringParamName());
-
-#if defined(__unix__)
-// The gap after the last point of a stride need not exist.
-TEST(GuardPagesFitTest, PointsEndAtAGuardPage) {
-  constexpr std::size_t kStride = 5;
-  const GuardedMemory memory(100 * kStride * sizeof(float));
-  for (std::size_t count = 1; count < 100; ++count) {
-    const std::size_t floats = (count - 1) * kStride + 3;
-    for (GuardedSide side : {GuardedSide::kBefore, GuardedSide::kAfter}) {
-      const auto coords = memory.Get<float>(floats, side);
-      std::fill(coords.begin(), coords.end(), 1.f);
-      EXPECT_EQ(BoundPoints<3>({coords.data(), count, kStride}),
-                (Aabo3{{1, 1, 1, -3}, {1, 1, 1, -3}}));
-    }
-  }
-}
-#endif
 
 }  // namespace
 }  // namespace halfspace::testing

@@ -118,15 +118,17 @@ INSTANTIATE_TEST_SUITE_P(Sizes, OutputsTest,
                          ::testing::Values(0, 1, 2, 63, 64, 65, 127, 128, 200,
                                            4096, 4161));
 
-// What is too long by far is no error, though its bytes have no number.
-TEST(ManyOutputsTest, PairsTakeNoMoreRoomThanThereArePairs) {
-  std::vector<std::uint32_t> query_indices(140);
-  std::vector<std::uint32_t> object_indices(140);
-  const std::size_t boundless = ~std::size_t{0} / sizeof(std::uint32_t);
-  EXPECT_EQ(SurvivorPairs(PointsOnX(70), LongerAndLonger(2),
-                          {query_indices.data(), boundless},
-                          {object_indices.data(), boundless}),
-            46u + 2u);
+// Scans cannot tell them from other views.
+TEST(AaboViewTest, HasThePlanesOfSimplicesAndOfBoxes) {
+  const AaboWorld3 world(std::vector<Aabo3>(1));
+  const AaboView3 view = world.view();
+  const SimplexView3 simplices = view.simplex();
+  const AabbView3 boxes = view.aabb();
+  EXPECT_EQ(simplices.min, view.min);
+  EXPECT_TRUE(std::ranges::equal(boxes.min, std::span(view.min).first(3)));
+  EXPECT_TRUE(std::ranges::equal(boxes.max, std::span(view.max).first(3)));
+  EXPECT_EQ(simplices.size, 1u);
+  EXPECT_EQ(boxes.size, 1u);
 }
 
 TEST(MaskWordsTest, RoundsUpWithoutOverflow) {

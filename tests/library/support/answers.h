@@ -54,12 +54,6 @@ class Answers {
     }
   }
 
-  // Of one query: rejects(i).
-  template <typename Rejects>
-  Answers(std::size_t objects, Rejects rejects)
-      : Answers(objects, 1, {},
-                [&](std::size_t, std::size_t i) { return rejects(i); }) {}
-
   // The oracle's.
   static Answers OfReference(const AnyWorld& world, const AnyQueries& queries,
                              const Range& range = {});

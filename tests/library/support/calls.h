@@ -68,13 +68,6 @@ inline void ForEachCall(const AnyWorld& world, const AnyQueries& query,
     detail::ForEachSurvivor(asked(), &decltype(call)::Run, &call, options);
   });
 }
-template <typename World>
-void ForEachCall(const World& world, const typename World::Query& query,
-                 const Options& options, CallOutputs& outputs,
-                 const NamedCall& visit) {
-  ForEachCall(AnyWorld(world), {&query, 1}, options, outputs, visit);
-}
-
 // The same for each of the five calls of several queries.
 inline void ForEachManyCall(const AnyWorld& world, const AnyQueries& queries,
                             const Options& options, CallOutputs& outputs,

@@ -1,10 +1,7 @@
-// The ways to look at planes, for typed tests: each shape in 2, 3 and 4
-// dimensions, and an octahedron's planes seen as a simplex or a box world, of
-// floats and of doubles.
+// The planes of views, and the kinds of views for tests: each shape in 2, 3 and
+// 4 dimensions, of floats and of doubles.
 #ifndef HALFSPACE_TESTS_LIBRARY_SUPPORT_CASES_H_
 #define HALFSPACE_TESTS_LIBRARY_SUPPORT_CASES_H_
-
-#include <gtest/gtest.h>
 
 #include <cstddef>
 #include <string>
@@ -50,65 +47,14 @@ inline std::size_t OpposingValue(const detail::PlaneLayout& layout,
   return p < layout.axes ? layout.first_max + p : p - layout.axes;
 }
 
-// A case: the planes in memory are those of `Stored`, and are queried as
-// `View`.
-template <typename TheView>
-struct Whole {
-  using Stored = TheView;
-  using View = TheView;
-  static View Seen(const Stored& stored) { return stored; }
-  static typename View::Query Seen(const typename Stored::Query& query) {
-    return query;
-  }
-};
-
-template <int kDims>
-struct AaboAsSimplex {
-  using Stored = AaboView<kDims>;
-  using View = SimplexView<kDims>;
-  static View Seen(const Stored& stored) { return stored.simplex(); }
-  static DownSimplex<kDims> Seen(const Aabo<kDims>& query) {
-    return query.down();
-  }
-};
-
-template <int kDims>
-struct AaboAsAabb {
-  using Stored = AaboView<kDims>;
-  using View = AabbView<kDims>;
-  static View Seen(const Stored& stored) { return stored.aabb(); }
-  static Aabb<kDims> Seen(const Aabo<kDims>& query) { return query.aabb(); }
-};
-
-namespace internal {
-
-template <typename T>
-std::string NameOf(const char* shape, int dims, const char* seen_as = "") {
-  const char* scalar = std::is_same_v<T, double> ? "Double" : "";
-  return shape + std::to_string(dims) + scalar + seen_as;
-}
-
-}  // namespace internal
-
-template <int kDims>
-std::string NameOf(const Whole<SimplexView<kDims>>&) {
-  return internal::NameOf<float>("Simplex", kDims);
-}
-template <int kDims, typename T>
-std::string NameOf(const Whole<AabbView<kDims, T>>&) {
-  return internal::NameOf<T>("Aabb", kDims);
-}
-template <int kDims>
-std::string NameOf(const Whole<AaboView<kDims>>&) {
-  return internal::NameOf<float>("Aabo", kDims);
-}
-template <int kDims>
-std::string NameOf(const AaboAsSimplex<kDims>&) {
-  return internal::NameOf<float>("Aabo", kDims, "AsSimplex");
-}
-template <int kDims>
-std::string NameOf(const AaboAsAabb<kDims>&) {
-  return internal::NameOf<float>("Aabo", kDims, "AsAabb");
+template <typename View>
+std::string NameOf(const View&) {
+  constexpr int kDims = View::Bound::kDimensions;
+  constexpr bool kIsDouble = std::is_same_v<ScalarOf<View>, double>;
+  return (!HasMaxima<View>         ? "Simplex"
+          : kMinima<View> == kDims ? "Aabb"
+                                   : "Aabo") +
+         std::to_string(kDims) + (kIsDouble ? "Double" : "");
 }
 
 // Whether this build leaves out 2 and 4 dimensions, as those do that take long
@@ -118,13 +64,6 @@ constexpr bool kTestsOnly3d = true;
 #else
 constexpr bool kTestsOnly3d = false;
 #endif
-
-template <int... kDims>
-using CasesOf =
-    ::testing::Types<Whole<SimplexView<kDims>>..., Whole<AabbView<kDims>>...,
-                     Whole<AaboView<kDims>>..., AaboAsSimplex<kDims>...,
-                     AaboAsAabb<kDims>..., Whole<AabbView<kDims, double>>...>;
-using AllCases = std::conditional_t<kTestsOnly3d, CasesOf<3>, CasesOf<2, 3, 4>>;
 
 }  // namespace halfspace::testing
 

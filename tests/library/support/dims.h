@@ -22,12 +22,12 @@ using DimsConstant = std::integral_constant<int, kDims>;
 #endif
 }
 
-// Forgets the rows of other dimensions: dims_of(row).
-template <typename Row, typename DimsOf>
+// Forgets the rows of other dimensions.
+template <typename Row>
 std::vector<Row> InDims(const std::vector<std::size_t>& dims,
-                        std::vector<Row> rows, DimsOf dims_of) {
+                        std::vector<Row> rows) {
   std::erase_if(rows, [&](const Row& row) {
-    return std::find(dims.begin(), dims.end(), dims_of(row)) == dims.end();
+    return std::find(dims.begin(), dims.end(), row.layout.dims) == dims.end();
   });
   return rows;
 }

@@ -25,25 +25,23 @@ namespace halfspace::testing {
 
 struct FlatCase {
   std::string name;
-  detail::PlaneLayout stored;  // the planes in memory
-  detail::PlaneLayout seen;    // those that are queried
+  detail::PlaneLayout layout;
   bool is_double;
-  AnyWorld (*world)(const PlanePointers& stored, std::size_t size);
-  // Makes the query of the stored planes into that of the seen ones.
-  void (*see_query)(const void* stored, void* seen);
+  AnyWorld (*world)(const PlanePointers& planes, std::size_t size);
 
   std::size_t scalar_bytes() const {
     return is_double ? sizeof(double) : sizeof(float);
   }
-  std::size_t query_bytes() const { return seen.plane_count * scalar_bytes(); }
+  std::size_t query_bytes() const {
+    return layout.plane_count * scalar_bytes();
+  }
 
-  // Of the planes that are seen.
-  bool IsMinPlane(std::size_t p) const { return p < seen.axes; }
-  std::size_t Opposing(std::size_t p) const { return OpposingValue(seen, p); }
+  bool IsMinPlane(std::size_t p) const { return p < layout.axes; }
+  std::size_t Opposing(std::size_t p) const { return OpposingValue(layout, p); }
   // What calls name it.
   std::string PlaneName(std::size_t p) const {
     return IsMinPlane(p) ? "world.min[" + std::to_string(p) + "]"
-                         : "world.max[" + std::to_string(p - seen.axes) + "]";
+                         : "world.max[" + std::to_string(p - layout.axes) + "]";
   }
 
   // Calls f(Scalar()) with the type of the values.
@@ -60,16 +58,9 @@ struct FlatCase {
 // In all dimensions that the library has.
 std::vector<FlatCase> AllFlatRows();
 
-// In those that are tested: all, and those of planes that are seen as they are.
+// In those that are tested.
 [[maybe_unused]] static std::vector<FlatCase> AllFlatCases() {
-  return InDims(TestDims(), AllFlatRows(),
-                [](const FlatCase& row) { return std::size_t{row.seen.dims}; });
-}
-[[maybe_unused]] static std::vector<FlatCase> WholeFlatCases() {
-  std::vector<FlatCase> rows = AllFlatCases();
-  std::erase_if(rows,
-                [](const FlatCase& row) { return !(row.stored == row.seen); });
-  return rows;
+  return InDims(TestDims(), AllFlatRows());
 }
 
 // The planes of a world, and a query.
@@ -79,14 +70,12 @@ class FlatInput {
             Random& random)
       : kind_(&kind), query_(kind.query_bytes()) {
     kind.WithScalar([&]<typename T>(T) {
-      T query[10] = {};
-      for (std::size_t p = 0; p < kind.stored.plane_count; ++p) {
+      for (std::size_t p = 0; p < kind.layout.plane_count; ++p) {
         auto& plane = planes_.emplace_back(objects * sizeof(T));
-        query[OpposingValue(kind.stored, p)] =
-            FillPlane<T>(input, p < kind.stored.axes,
+        reinterpret_cast<T*>(query_.data())[kind.Opposing(p)] =
+            FillPlane<T>(input, kind.IsMinPlane(p),
                          {reinterpret_cast<T*>(plane.data()), objects}, random);
       }
-      kind.see_query(query, query_.data());
     });
   }
 
@@ -129,7 +118,7 @@ class FlatQueries {
       for (std::size_t q = 0; q < count; ++q) {
         T values[10] = {};
         std::memcpy(values, input.query().records, bytes_);
-        for (std::size_t p = 0; p < kind.seen.plane_count; ++p) {
+        for (std::size_t p = 0; p < kind.layout.plane_count; ++p) {
           T& value = values[kind.Opposing(p)];
           switch (random() % 16) {
             case 0:

@@ -162,19 +162,17 @@ class OwnerOf : public AnyOwner {
 
 // A world knows its planes by number: few and many, of floats and of doubles.
 template <typename... More>
-using With3d = ::testing::Types<Whole<SimplexView3>, Whole<AaboView3>,
-                                Whole<AabbView<3, double>>, More...>;
+using With3d =
+    ::testing::Types<SimplexView3, AaboView3, AabbView<3, double>, More...>;
 using WorldCases =
-    std::conditional_t<kTestsOnly3d, With3d<>,
-                       With3d<Whole<AabbView2>, Whole<AaboView4>>>;
+    std::conditional_t<kTestsOnly3d, With3d<>, With3d<AabbView2, AaboView4>>;
 
-template <typename... Cases>
-void AddWorlds(std::vector<OwnerRow>& rows, const ::testing::Types<Cases...>&) {
-  (rows.push_back({"World" + NameOf(Cases()), "World",
-                   detail::kLayoutOf<typename Cases::View::Bound>,
-                   std::is_same_v<ScalarOf<typename Cases::View>, double>,
-                   &OwnerOf<World<typename Cases::View>>::Make,
-                   &OwnerOf<World<typename Cases::View>>::Make}),
+template <typename... Views>
+void AddWorlds(std::vector<OwnerRow>& rows, const ::testing::Types<Views...>&) {
+  (rows.push_back({"World" + NameOf(Views()), "World",
+                   detail::kLayoutOf<typename Views::Bound>,
+                   std::is_same_v<ScalarOf<Views>, double>,
+                   &OwnerOf<World<Views>>::Make, &OwnerOf<World<Views>>::Make}),
    ...);
 }
 
@@ -184,7 +182,7 @@ void AddQuantized(std::vector<QuantizedRow>& rows, const View&) {
   const auto add = [&](auto element) {
     using Element = decltype(element);
     rows.push_back(
-        {NameOf(Whole<View>()) + "Uint" + std::to_string(8 * sizeof(element)),
+        {NameOf(View()) + "Uint" + std::to_string(8 * sizeof(element)),
          detail::kLayoutOf<typename View::Bound>, sizeof(element),
          &OwnerOf<World<View>>::Make,
          &OwnerOf<QuantizedBounds<View, Element>>::Make,

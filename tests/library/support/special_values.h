@@ -60,23 +60,6 @@ constexpr std::array<T, 20> MakeSpecialValues() {
 template <typename T>
 inline constexpr std::array<T, 20> kSpecialValues = MakeSpecialValues<T>();
 
-// a > b from the bits alone: no floating-point unit, hence no rounding,
-// flushing or compiler flag takes part. False if either is NaN.
-template <typename T>
-constexpr bool IsGreater(T a, T b) {
-  using Integer = BitsOf<T>;
-  constexpr Integer kMagnitude = static_cast<Integer>(~Integer{0}) >> 1;
-  const auto a_bits = std::bit_cast<Integer>(a);
-  const auto b_bits = std::bit_cast<Integer>(b);
-  if ((a_bits & kMagnitude) > kInfinityBits<T>) return false;
-  if ((b_bits & kMagnitude) > kInfinityBits<T>) return false;
-  const auto ordered = [](Integer bits) {
-    const auto magnitude = static_cast<std::int64_t>(bits & kMagnitude);
-    return bits > kMagnitude ? -magnitude : magnitude;
-  };
-  return ordered(a_bits) > ordered(b_bits);
-}
-
 }  // namespace halfspace::testing
 
 #endif  // HALFSPACE_TESTS_LIBRARY_SUPPORT_SPECIAL_VALUES_H_
