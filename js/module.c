@@ -30,3 +30,10 @@ EMSCRIPTEN_KEEPALIVE const hs_pair_options* pair_options(float margin) {
   options.margin = margin;
   return &options;
 }
+
+EMSCRIPTEN_KEEPALIVE const hs_query_options* sphere_options(void) {
+  static hs_query_options options;
+  hs_query_options_default(&options, sizeof options);
+  options.shape = HS_SHAPE_SPHERE;
+  return &options;
+}

@@ -60,9 +60,10 @@ function checkAnswers(tree, boxes, next) {
       }
     });
     const limit = expected[2] ?? 1;
-    const within = tree.nearest(point, Infinity, 1.001 * limit);
-    assert.ok(within.every((id) => distance(boxes.get(id), point, d) <= 1.002 * limit));
-    assert.ok(within.length >= expected.filter((value) => value <= limit).length);
+    for (const ids of [tree.nearest(point, Infinity, 1.001 * limit), tree.within(point, limit)]) {
+      assert.ok(ids.every((id) => distance(boxes.get(id), point, d) <= 1.002 * limit));
+      assert.ok(ids.length >= expected.filter((value) => value <= limit).length);
+    }
 
     const origin = [-1, ...point.slice(1)];
     const met = touching([0, ...point.slice(1), Infinity, ...point.slice(1)]);
@@ -125,16 +126,101 @@ test('a point whose numbers come from a call of the module', () => {
   assert.deepEqual([...tree.nearest({ length: 2, 0: 5, get 1() { return +five; } }, 1, five)], [1]);
 });
 
+// Vectors of 3 numbers.
+const minus = (a, b) => a.map((value, k) => value - b[k]);
+const dot = (a, b) => a.reduce((sum, value, k) => sum + value * b[k], 0);
+const cross = (a, b) => a.map((_, k) =>
+  a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3]);
+const edgesOf = ([a, b, c]) => [[a, b], [b, c], [c, a]];
+const normalOf = ([a, b, c]) => cross(minus(b, a), minus(c, a));
+
+// Where a ray hits a triangle. Without rounding errors if all are small whole numbers.
+function hit([origin, direction, limit], triangle) {
+  const along = dot(normalOf(triangle), direction);
+  const t = dot(normalOf(triangle), minus(triangle[0], origin)) / along;
+  const isInside = edgesOf(triangle).every(([a, b]) =>
+    along * dot(cross(minus(a, origin), minus(b, origin)), direction) >= 0);
+  return along !== 0 && isInside && t >= 0 && t <= limit ? t : Infinity;
+}
+
+// How far a point is from a triangle: from its plane, above it, or else from an edge.
+function away(point, triangle) {
+  const normal = normalOf(triangle);
+  const isAbove = dot(normal, normal) > 0 && edgesOf(triangle).every(([a, b]) =>
+    dot(cross(normal, minus(b, a)), minus(point, a)) >= 0);
+  if (isAbove) return Math.abs(dot(normal, minus(point, triangle[0]))) / Math.hypot(...normal);
+  return Math.min(...edgesOf(triangle).map(([a, b]) => {
+    const edge = minus(b, a);
+    const t = Math.min(1, Math.max(0, dot(edge, minus(point, a)) / dot(edge, edge) || 0));
+    return Math.hypot(...minus(point, a.map((value, k) => value + t * edge[k])));
+  }));
+}
+
+test('rays that hit triangles, and their closest points', () => {
+  const next = random(9);
+  const corner = (size) => axes(3).map(() => Math.floor(size * next()));
+  const some = (count, make) => Array.from({ length: count }, make);
+  const triangles = some(300, () => {
+    const [a, ...others] = [corner(20), corner(6), corner(6)];
+    return [a, ...others.map((other) => other.map((value, k) => a[k] + value - 3))];
+  });
+  const rows = Float32Array.from(triangles.flat(2));
+  const tree = new BVH(triangles.flatMap((corners) => ['min', 'max'].flatMap((name) =>
+    axes(3).map((k) => Math[name](...corners.map((point) => point[k]))))), { dimensions: 3 });
+  for (const gone of [[], some(250, (_, i) => i)]) {
+    tree.erase(gone);
+    const there = triangles.slice(gone.length);
+    const rays = some(200, () => [corner(20), minus(corner(7), [3, 3, 3]), next() < 0.5 ? 3 : Infinity]);
+    const { ids, ts } = tree.raycastMany(rays.flat(2), rows);
+    rays.forEach((ray, i) => {
+      const first = Math.min(...there.map((triangle) => hit(ray, triangle)));
+      assert.equal(ids[i] === NO_ID, first === Infinity);
+      if (first === Infinity) return assert.equal(ts[i], Infinity);
+      assert.ok(ids[i] >= gone.length && Math.abs(ts[i] - first) <= 1e-6 * first);
+      assert.ok(Math.abs(hit(ray, triangles[ids[i]]) - first) <= 1e-6 * first);
+    });
+    assert.ok(ids.some((id) => id !== NO_ID) && ids.includes(NO_ID));
+
+    const points = some(200, () => corner(25));
+    const near = tree.closestPoints(points.flat(), rows, 4);
+    points.forEach((point, i) => {
+      const least = Math.min(...there.map((triangle) => away(point, triangle)));
+      const isNear = (value, expected) => Math.abs(value - expected) <= 1e-5;
+      if (least > 4) return assert.deepEqual([near.ids[i], near.distances[i]], [NO_ID, Infinity]);
+      const closest = [...near.closest.slice(3 * i, 3 * i + 3)];
+      assert.ok(isNear(near.distances[i], least) && near.ids[i] >= gone.length);
+      assert.ok(isNear(Math.hypot(...minus(closest, point)), least));
+      assert.ok(isNear(away(closest, triangles[near.ids[i]]), 0));
+    });
+    assert.ok(near.ids.includes(NO_ID));
+  }
+});
+
+test('all boxes that are as near as the last one', () => {
+  const places = [...Array(25).keys()].map((i) => [i % 5, Math.floor(i / 5)]);
+  const tree = new BVH(places.flatMap((place) => [...place, ...place]));
+  const near = (...more) => sorted(tree.nearest([2, 2], ...more, true).map((id) =>
+    dot(minus(places[id], [2, 2]), minus(places[id], [2, 2]))));
+  assert.deepEqual(near(2, Infinity), [0, 1, 1, 1, 1]);
+  assert.deepEqual(near(5, Infinity), [0, 1, 1, 1, 1]);
+  assert.deepEqual(near(6, 1), [0, 1, 1, 1, 1]);
+  assert.equal(near(22, Infinity).length, 25);
+});
+
 test('doubles are rounded outward, and Infinity is a number', () => {
   const tree = new BVH([0.1, 0.1, 0.7, 0.7]);
   assert.ok(tree.bounds[0] < 0.1 && tree.bounds[2] > 0.7);
   assert.deepEqual([...tree.query([-Infinity, -Infinity, 0.1, Infinity])], [0]);
+  assert.deepEqual([...tree.within([1e300, 0], 1)], [0]);
+  // 2 ** 24 + 1 is no float.
+  assert.equal(new BVH([2 ** 24 + 2, 0, 2 ** 25, 1]).within([2 ** 24 + 1, 0.1], 1).length, 1);
 });
 
 test('more results than there was room for, and memory that grows', () => {
   const tree = new BVH(new Float32Array(4 * 100000));
   const view = tree.bounds;
   assert.equal(tree.query([0, 0, 1, 1]).length, 100000);
+  assert.equal(tree.nearest([0, 0], 2, 1, true).length, 100000);
   assert.equal(tree.queryMany(new Float32Array(40)).ids.length, 1000000);
   assert.ok(view.length === 4 && view.every((value) => value === 0));
   assert.throws(() => tree.nearestMany(new Float32Array(2 * 20000), 100000), /out of memory/);
@@ -151,6 +237,7 @@ test('stored BVHs of C++', () => {
 });
 
 const flat = new BVH([0, 0, 1, 1]);
+const solid = new BVH([0, 0, 0, 1, 1, 1], { dimensions: 3 });
 const gone = new BVH([]);
 gone.dispose();
 gone.dispose();
@@ -173,11 +260,19 @@ for (const [argument, call] of [
   ['point[0]', () => flat.nearest([Symbol('x'), 0])],
   ['k', () => flat.nearest([0, 0], 0)],
   ['k', () => flat.nearest([0, 0], 1.5)],
+  ['point', () => flat.within([0], 1)],
+  ['distance', () => flat.within([0, 0], NaN)],
   ['maxDistance', () => flat.nearestMany([0, 0], 1, NaN)],
   ['origin[0]', () => flat.raycast([NaN, 0], [1, 0])],
   ['direction', () => flat.raycast([0, 0], [1])],
   ['rays[3]', () => flat.raycastMany(Float32Array.of(0, 0, 1, NaN, 9))],
   ['maxT', () => flat.raycast([0, 0], [1, 0], -1)],
+  ['dimensions', () => flat.raycastMany([0, 0, 1, 1, 9], new Float32Array(9))],
+  ['triangles', () => solid.raycastMany([0, 0, 0, 1, 1, 1, 9], [])],
+  ['triangles', () => solid.closestPoints([0, 0, 0], new Float32Array(10))],
+  ['triangles[8]', () => solid.closestPoints([0, 0, 0], [0, 0, 0, 0, 0, 0, 0, 0, NaN])],
+  ['points[2]', () => solid.closestPoints([0, 0, NaN], new Float32Array(9))],
+  ['maxDistance', () => solid.closestPoints([0, 0, 0], new Float32Array(9), -1)],
   ['margin', () => flat.pairs(1e39)],
   ['other', () => flat.join({})],
   ['other', () => flat.join(new BVH([], { dimensions: 3 }))],
@@ -212,7 +307,7 @@ test('the example of the README, in node and in Chromium', async (t) => {
   const lines = [];
   t.mock.method(console, 'log', (...values) => lines.push(JSON.stringify(values)));
   await import('./example.mjs');
-  assert.equal(lines.length, 4);
+  assert.equal(lines.length, 6);
   if (!hasChromium) return t.skip('there is no chromium');
   assert.equal(await postedBy(`<!DOCTYPE html><script type="importmap">
     {"imports": {"halfspace": "/node_modules/halfspace/index.js"}}</script>
