@@ -48,9 +48,9 @@ export class BVH {
    * ids[offsets[i]] to ids[offsets[i + 1] - 1]. */
   queryMany(boxes: Numbers): { ids: Uint32Array; offsets: Uint32Array };
 
-  /** The ids of the boxes that are at most `distance` from a point, in no particular order.
+  /** The ids of the boxes that are at most `radius` from a point, in no particular order.
    * A box that is farther by 4 millionths, or by the rounding of the point, can be found. */
-  within(point: ArrayLike<number>, distance: number): Uint32Array;
+  within(point: ArrayLike<number>, radius: number): Uint32Array;
 
   /** The ids of the k boxes nearest to a point, nearest first. A box that contains the
    * point has the distance 0. With `allTies`, also the boxes as far as the last of the k. */

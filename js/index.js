@@ -71,23 +71,15 @@ function withMemory(run) {
   }
 }
 
-// Room for results of one call, kept from call to call.
+// Room for results of one call, kept from call to call. Returns whether there was too little.
 let [results, room] = [0, 0];
 function makeRoom(count) {
-  if (room >= count) return;
+  if (room >= count) return false;
   const size = Math.max(count, 2 * room, 1024);
   const block = allocate(4 * size);
   wasm.free(results);
   [results, room] = [block, size];
-}
-
-// The results of call(), which writes those for which there is room.
-function resultsOf(call, values = 1) {
-  for (;;) {
-    const total = values * resultOf(call());
-    if (total <= room) return idsAt(results, total);
-    makeRoom(total);
-  }
+  return true;
 }
 
 // The numbers of calls of one query, the rows that they are, by their number, and what a
@@ -102,6 +94,13 @@ function write(numbers) {
   look();
   for (let i = 0; i < numbers.length; ++i) f64[oneValues / 8 + i] = numbers[i];
   return oneRow[numbers.length];
+}
+
+// The same as floats.
+function writeFloats(numbers) {
+  look();
+  f32.set(numbers, oneValues / 4);
+  return wasm.rows(0, 0, oneValues, 1, numbers.length);
 }
 
 // The number that a call wrote there.
@@ -144,9 +143,8 @@ const numberOf = (name, i, value) => (typeof value === 'number' && value === val
 
 // Rows of `values` numbers, of a Float32Array, a Float64Array or what can become one.
 function rowsOf(name, data, values) {
-  const isFloats = data instanceof Float32Array || data instanceof Float64Array;
-  const array = isFloats ? data : Float64Array.from(arrayOf(name, data, 'numbers'),
-    (value, i) => numberOf(name, i, value));
+  const array = data instanceof Float32Array || data instanceof Float64Array ? data
+    : Float64Array.from(arrayOf(name, data, 'numbers'), (value, i) => numberOf(name, i, value));
   if (array.length === 0) {
     try {
       new Uint8Array(array.buffer);
@@ -173,12 +171,6 @@ function rowOf(name, row, count) {
   const numbers = [];
   for (let i = 0; i < count; ++i) numbers.push(numberOf(name, i, row[i]));
   return numbers;
-}
-
-function limitOf(name, value) {
-  const limit = Number(value);
-  expect(limit >= 0, name, 'a number that is not negative', limit);
-  return limit;
 }
 
 // Boxes, whose minima are not above their maxima.
@@ -270,15 +262,22 @@ export class BVH {
   // The ids that rows of boxes, or of what the options name, find.
   #found(rows, options, offsets) {
     const bvh = this.#open();
-    return resultsOf(() =>
-      wasm.hs_bvh_query(bvh, rows, options, results, room, offsets, oneResult));
+    let total;
+    do {
+      total = resultOf(wasm.hs_bvh_query(bvh, rows, options, results, room, offsets, oneResult));
+    } while (makeRoom(total));
+    return idsAt(results, total);
   }
 
   // The pairs that call() writes.
   #pairs(call, others, margin) {
     const options = wasm.pair_options(Number(margin));
     const trees = [this, ...others].map((tree) => tree.#open());
-    return resultsOf(() => call(...trees, options, results, room >>> 1, oneResult), 2);
+    let total;
+    do {
+      total = 2 * resultOf(call(...trees, options, results, room >>> 1, oneResult));
+    } while (makeRoom(total));
+    return idsAt(results, total);
   }
 
   #most(k) {
@@ -316,29 +315,28 @@ export class BVH {
     });
   }
 
-  within(point, distance) {
+  within(point, radius) {
     const center = rowOf('point', point, this.#dimensions);
     // The sphere of floats encloses that of doubles.
     const apart = Math.hypot(...center.map((value) => value - Math.fround(value) || 0));
-    const radius = (limitOf('distance', distance) + 1.000001 * apart) * (1 + 2 ** -23);
-    look();
-    f32.set([...center, radius], oneValues / 4);
-    return this.#found(wasm.rows(0, 0, oneValues, 1, center.length + 1), spheres, 0);
+    const enclosing = (Number(radius) + 1.000001 * apart) * (1 + 2 ** -23);
+    return this.#found(writeFloats([...center, enclosing]), spheres, 0);
   }
 
   nearest(point, k = 1, maxDistance = Infinity, allTies = false) {
     const numbers = rowOf('point', point, this.#dimensions);
     const limit = Number(maxDistance);
     const most = this.#most(k);
-    // Ties are all found when one more box is farther.
+    // All ties are found when one more box is farther than they.
     for (let size = allTies ? most + 1 : most; ; size *= 8) {
       makeRoom(2 * size);
+      const distances = results + 4 * size;
       check(wasm.hs_bvh_nearest_to_points(this.#bvh, write(numbers), size, limit, 0, results,
-        results + 4 * size));
-      const [ids, distances] = [results / 4, results / 4 + size];
-      const isTooFar = (i) => u32[ids + i] === NO_ID || f32[distances + i] > f32[distances + most - 1];
+        distances));
+      const last = f32[distances / 4 + most - 1];
       let found = size;
-      while (found > 0 && isTooFar(found - 1)) --found;
+      while (found > 0 && (u32[results / 4 + found - 1] === NO_ID ||
+        f32[distances / 4 + found - 1] > last)) --found;
       if (found < size || !allTies) return idsAt(results, found);
     }
   }
@@ -362,11 +360,12 @@ export class BVH {
   }
 
   raycast(origin, direction, maxT = Infinity) {
-    const limit = limitOf('maxT', maxT);
-    const { ids, ts } = this.raycastMany(Float32Array.of(
-      ...rowOf('origin', origin, this.#dimensions),
-      ...rowOf('direction', direction, this.#dimensions), limit));
-    return ids[0] === NO_ID ? null : { id: ids[0], t: ts[0] };
+    const ray = [...rowOf('origin', origin, this.#dimensions),
+      ...rowOf('direction', direction, this.#dimensions), Number(maxT)];
+    expect(ray.at(-1) >= 0, 'maxT', 'a number that is not negative', maxT);
+    const id = resultOf(wasm.hs_bvh_raycast(this.#open(), writeFloats(ray), 0, 0, oneResult,
+      oneResult + 4));
+    return id === NO_ID ? null : { id, t: f32[oneResult / 4 + 1] };
   }
 
   raycastMany(rays, triangles) {
