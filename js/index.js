@@ -82,25 +82,20 @@ function makeRoom(count) {
   return true;
 }
 
-// The numbers of calls of one query, the rows that they are, by their number, and what a
-// call writes.
+// The numbers of calls of one query, the rows of so many floats or doubles that they are, and
+// what a call writes. Rows are in slots of module.c, and no row has 0 or 1 numbers.
 const oneValues = allocate(8 * 8);
-const oneRow = Array.from({ length: 8 }, (_, n) => wasm.rows(n, 1, oneValues, 1, n));
+const oneRow = [0, 1].map((isDouble) => Array.from({ length: 8 }, (_, n) =>
+  wasm.rows(8 * isDouble + n, isDouble, oneValues, 1, n)));
 const oneResult = allocate(8 * 4);
 
 // Writes the numbers of a call of one query, and returns its row. After all are read, since
 // a getter can call the module.
-function write(numbers) {
+function write(numbers, isDouble = 1) {
   look();
-  for (let i = 0; i < numbers.length; ++i) f64[oneValues / 8 + i] = numbers[i];
-  return oneRow[numbers.length];
-}
-
-// The same as floats.
-function writeFloats(numbers) {
-  look();
-  f32.set(numbers, oneValues / 4);
-  return wasm.rows(0, 0, oneValues, 1, numbers.length);
+  const [values, first] = isDouble ? [f64, oneValues / 8] : [f32, oneValues / 4];
+  for (let i = 0; i < numbers.length; ++i) values[first + i] = numbers[i];
+  return oneRow[isDouble][numbers.length];
 }
 
 // The number that a call wrote there.
@@ -119,7 +114,7 @@ function copyIn(allocate, array) {
   return address;
 }
 
-// Copies the rows of an array to the module. Arrays of one call have different slots.
+// Copies the rows of an array to the module. The slots of arrays are 0 and 1.
 const rowsIn = (allocate, slot, array, values) => wasm.rows(slot,
   array instanceof Float64Array ? 1 : 0, copyIn(allocate, array), array.length / values, values);
 
@@ -320,7 +315,7 @@ export class BVH {
     // The sphere of floats encloses that of doubles.
     const apart = Math.hypot(...center.map((value) => value - Math.fround(value) || 0));
     const enclosing = (Number(radius) + 1.000001 * apart) * (1 + 2 ** -23);
-    return this.#found(writeFloats([...center, enclosing]), spheres, 0);
+    return this.#found(write([...center, enclosing], 0), spheres, 0);
   }
 
   nearest(point, k = 1, maxDistance = Infinity, allTies = false) {
@@ -328,7 +323,7 @@ export class BVH {
     const limit = Number(maxDistance);
     const most = this.#most(k);
     // All ties are found when one more box is farther than they.
-    for (let size = allTies ? most + 1 : most; ; size *= 8) {
+    for (let size = allTies ? most + 1 : most; ; size = Math.min(8 * size, this.size + 1)) {
       makeRoom(2 * size);
       const distances = results + 4 * size;
       check(wasm.hs_bvh_nearest_to_points(this.#bvh, write(numbers), size, limit, 0, results,
@@ -363,7 +358,7 @@ export class BVH {
     const ray = [...rowOf('origin', origin, this.#dimensions),
       ...rowOf('direction', direction, this.#dimensions), Number(maxT)];
     expect(ray.at(-1) >= 0, 'maxT', 'a number that is not negative', maxT);
-    const id = resultOf(wasm.hs_bvh_raycast(this.#open(), writeFloats(ray), 0, 0, oneResult,
+    const id = resultOf(wasm.hs_bvh_raycast(this.#open(), write(ray, 0), 0, 0, oneResult,
       oneResult + 4));
     return id === NO_ID ? null : { id, t: f32[oneResult / 4 + 1] };
   }

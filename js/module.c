@@ -10,7 +10,7 @@
 EMSCRIPTEN_KEEPALIVE const hs_columns* rows(int slot, int is_double,
                                             const void* data, size_t count,
                                             size_t values) {
-  static hs_columns columns[8];
+  static hs_columns columns[16];
   columns[slot] = is_double ? hs_double_rows(data, count, values)
                             : hs_float_rows(data, count, values);
   return &columns[slot];
