@@ -48,9 +48,14 @@ export class BVH {
    * ids[offsets[i]] to ids[offsets[i + 1] - 1]. */
   queryMany(boxes: Numbers): { ids: Uint32Array; offsets: Uint32Array };
 
+  /** The ids of the boxes that are at most `radius` from a point, in no particular order.
+   * A box that is farther by 4 millionths, or by the rounding of the point, can be found. */
+  within(point: ArrayLike<number>, radius: number): Uint32Array;
+
   /** The ids of the k boxes nearest to a point, nearest first. A box that contains the
-   * point has the distance 0. */
-  nearest(point: ArrayLike<number>, k?: number, maxDistance?: number): Uint32Array;
+   * point has the distance 0. With `allTies`, also the boxes as far as the last of the k. */
+  nearest(point: ArrayLike<number>, k?: number, maxDistance?: number, allTies?: boolean):
+    Uint32Array;
   /** The same for many points. Row i is ids[i * k] to ids[i * k + k - 1], where k is that of
    * the result: at most `size`. If fewer boxes are near enough, the rest of
    * the row is NO_ID and Infinity. Distances are within a millionth of the exact ones. */
@@ -62,8 +67,21 @@ export class BVH {
   raycast(origin: ArrayLike<number>, direction: ArrayLike<number>, maxT?: number):
     { id: number; t: number } | null;
   /** The same for rows of an origin, a direction and a limit of t: 2 * dimensions + 1
-   * numbers. Without a hit, the id is NO_ID and t is Infinity. */
-  raycastMany(rays: Numbers): { ids: Uint32Array; ts: Float32Array };
+   * numbers. Without a hit, the id is NO_ID and t is Infinity.
+   *
+   * With `triangles`, the first triangle that a ray hits, from either side. They are 9
+   * numbers each, the three corners: triangle i is in box i, and there are at least
+   * `idLimit`. The BVH has 3 dimensions. All is rounded to 32-bit floats. From there on it is
+   * exact whether a ray hits: none passes between triangles that share an edge. A triangle
+   * without an area, or in whose plane the ray lies, is not hit. Each call copies the
+   * triangles, so give it many rays. */
+  raycastMany(rays: Numbers, triangles?: Numbers): { ids: Uint32Array; ts: Float32Array };
+
+  /** The triangle that is closest to each point, with triangles as in raycastMany(), the
+   * distance, and the closest point of the triangle, which is 3 numbers. If there is none
+   * within `maxDistance`, they are NO_ID, Infinity and NaN. */
+  closestPoints(points: Numbers, triangles: Numbers, maxDistance?: number):
+    { ids: Uint32Array; distances: Float32Array; closest: Float32Array };
 
   /** All pairs of boxes that overlap, or are at most `margin` apart on each axis: pair i is
    * elements 2 * i and 2 * i + 1. Each pair is there once. */

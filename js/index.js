@@ -39,7 +39,8 @@ function look() {
 // The text at an address, with the names that callers know.
 const names = {
   objects: 'boxes', queries: 'boxes', data: 'bytes', max_distance: 'maxDistance',
-  'options->margin': 'margin', 'hs_bvh_blob()': 'toBytes()',
+  'options->margin': 'margin', bvh: 'dimensions', 'hs_bvh_blob()': 'toBytes()',
+  'hs_bvh_id_limit()': 'idLimit',
 };
 const text = (address) => new TextDecoder().decode(u8.slice(address, u8.indexOf(0, address)))
   .replace(/\w+(->margin|\(\))?/g, (name) => names[name] ?? name);
@@ -70,37 +71,31 @@ function withMemory(run) {
   }
 }
 
-// Room for results of one call, kept from call to call.
+// Room for results of one call, kept from call to call. Returns whether there was too little.
 let [results, room] = [0, 0];
 function makeRoom(count) {
-  if (room >= count) return;
+  if (room >= count) return false;
   const size = Math.max(count, 2 * room, 1024);
   const block = allocate(4 * size);
   wasm.free(results);
   [results, room] = [block, size];
+  return true;
 }
 
-// The results of call(), which writes those for which there is room.
-function resultsOf(call, values = 1) {
-  for (;;) {
-    const total = values * resultOf(call());
-    if (total <= room) return idsAt(results, total);
-    makeRoom(total);
-  }
-}
-
-// The numbers of calls of one query, the rows that they are, by their number, and what a
-// call writes.
+// The numbers of calls of one query, the rows of so many floats or doubles that they are, and
+// what a call writes. Rows are in slots of module.c, and no row has 0 or 1 numbers.
 const oneValues = allocate(8 * 8);
-const oneRow = Array.from({ length: 8 }, (_, n) => wasm.rows(n, 1, oneValues, 1, n));
+const oneRow = [0, 1].map((isDouble) => Array.from({ length: 8 }, (_, n) =>
+  wasm.rows(8 * isDouble + n, isDouble, oneValues, 1, n)));
 const oneResult = allocate(8 * 4);
 
 // Writes the numbers of a call of one query, and returns its row. After all are read, since
 // a getter can call the module.
-function write(numbers) {
+function write(numbers, isDouble = 1) {
   look();
-  for (let i = 0; i < numbers.length; ++i) f64[oneValues / 8 + i] = numbers[i];
-  return oneRow[numbers.length];
+  const [values, first] = isDouble ? [f64, oneValues / 8] : [f32, oneValues / 4];
+  for (let i = 0; i < numbers.length; ++i) values[first + i] = numbers[i];
+  return oneRow[isDouble][numbers.length];
 }
 
 // The number that a call wrote there.
@@ -119,12 +114,16 @@ function copyIn(allocate, array) {
   return address;
 }
 
+// Copies the rows of an array to the module. The slots of arrays are 0 and 1.
+const rowsIn = (allocate, slot, array, values) => wasm.rows(slot,
+  array instanceof Float64Array ? 1 : 0, copyIn(allocate, array), array.length / values, values);
+
 // Calls run(rows, count, allocate) with the rows of an array, which are in the module then.
-function withRows(array, values, run) {
-  const count = array.length / values;
-  return withMemory((allocate) => run(wasm.rows(0, array instanceof Float64Array ? 1 : 0,
-    copyIn(allocate, array), count, values), count, allocate));
-}
+const withRows = (array, values, run) => withMemory((allocate) =>
+  run(rowsIn(allocate, 0, array, values), array.length / values, allocate));
+
+// The options of a query of spheres.
+const spheres = wasm.sphere_options();
 
 // Arguments ---------------------------------------------------------------------------
 
@@ -139,9 +138,8 @@ const numberOf = (name, i, value) => (typeof value === 'number' && value === val
 
 // Rows of `values` numbers, of a Float32Array, a Float64Array or what can become one.
 function rowsOf(name, data, values) {
-  const isFloats = data instanceof Float32Array || data instanceof Float64Array;
-  const array = isFloats ? data : Float64Array.from(arrayOf(name, data, 'numbers'),
-    (value, i) => numberOf(name, i, value));
+  const array = data instanceof Float32Array || data instanceof Float64Array ? data
+    : Float64Array.from(arrayOf(name, data, 'numbers'), (value, i) => numberOf(name, i, value));
   if (array.length === 0) {
     try {
       new Uint8Array(array.buffer);
@@ -159,6 +157,8 @@ function numbersOf(name, data, values) {
   for (let i = 0; i < numbers.length; ++i) numberOf(name, i, numbers[i]);
   return numbers;
 }
+
+const floatsOf = (name, data, values) => new Float32Array(numbersOf(name, data, values));
 
 // The numbers of one row. Not numbersOf(), which takes as long as the search for 8 boxes.
 function rowOf(name, row, count) {
@@ -242,21 +242,37 @@ export class BVH {
     return withRows(array, 2 * this.#dimensions, run);
   }
 
-  // The `most` ids and numbers of each row, which call(rows, ids, numbers) writes.
-  #nearestOf(array, values, most, call) {
+  // What call(rows, triangles, ...addresses) writes: for each row so many ids, and so many
+  // numbers of each kind.
+  #answers(array, values, [most, ...numbers], call, triangles) {
     this.#open();
     return withRows(array, values, (rows, count, allocate) => {
-      const [ids, numbers] = [0, 1].map(() => allocate(4 * count * most));
-      check(call(rows, ids, numbers));
-      return [idsAt(ids, count * most), floatsAt(numbers, count * most)];
+      const ids = allocate(4 * most * count);
+      const to = numbers.map((width) => allocate(4 * width * count));
+      check(call(rows, triangles ? rowsIn(allocate, 1, triangles, 9) : 0, ids, ...to));
+      return [idsAt(ids, most * count), ...to.map((at, i) => floatsAt(at, numbers[i] * count))];
     });
+  }
+
+  // The ids that rows of boxes, or of what the options name, find.
+  #found(rows, options, offsets) {
+    const bvh = this.#open();
+    let total;
+    do {
+      total = resultOf(wasm.hs_bvh_query(bvh, rows, options, results, room, offsets, oneResult));
+    } while (makeRoom(total));
+    return idsAt(results, total);
   }
 
   // The pairs that call() writes.
   #pairs(call, others, margin) {
     const options = wasm.pair_options(Number(margin));
     const trees = [this, ...others].map((tree) => tree.#open());
-    return resultsOf(() => call(...trees, options, results, room >>> 1, oneResult), 2);
+    let total;
+    do {
+      total = 2 * resultOf(call(...trees, options, results, room >>> 1, oneResult));
+    } while (makeRoom(total));
+    return idsAt(results, total);
   }
 
   #most(k) {
@@ -282,55 +298,79 @@ export class BVH {
 
   query(box) {
     const dimensions = this.#dimensions;
-    const row = write(checkBoxes('box', rowOf('box', box, 2 * dimensions), dimensions));
-    const bvh = this.#open();
-    return resultsOf(() => wasm.hs_bvh_query(bvh, row, 0, results, room, 0, oneResult));
+    return this.#found(
+      write(checkBoxes('box', rowOf('box', box, 2 * dimensions), dimensions)), 0, 0);
   }
 
   queryMany(boxes) {
     return this.#withBoxes(boxes, (rows, count, allocate) => {
       const offsets = allocate(4 * (count + 1));
-      const ids = resultsOf(() =>
-        wasm.hs_bvh_query(this.#bvh, rows, 0, results, room, offsets, oneResult));
+      const ids = this.#found(rows, 0, offsets);
       return { ids, offsets: idsAt(offsets, count + 1) };
     });
   }
 
-  nearest(point, k = 1, maxDistance = Infinity) {
+  within(point, radius) {
+    const center = rowOf('point', point, this.#dimensions);
+    // The sphere of floats encloses that of doubles.
+    const apart = Math.hypot(...center.map((value) => value - Math.fround(value) || 0));
+    const enclosing = (Number(radius) + 1.000001 * apart) * (1 + 2 ** -23);
+    return this.#found(write([...center, enclosing], 0), spheres, 0);
+  }
+
+  nearest(point, k = 1, maxDistance = Infinity, allTies = false) {
     const numbers = rowOf('point', point, this.#dimensions);
     const limit = Number(maxDistance);
     const most = this.#most(k);
-    makeRoom(2 * most);
-    check(wasm.hs_bvh_nearest_to_points(this.#bvh, write(numbers), most, limit, 0, results,
-      results + 4 * most));
-    let found = most;
-    while (found > 0 && u32[results / 4 + found - 1] === NO_ID) --found;
-    return idsAt(results, found);
+    // All ties are found when one more box is farther than they.
+    for (let size = allTies ? most + 1 : most; ; size = Math.min(8 * size, this.size + 1)) {
+      makeRoom(2 * size);
+      const distances = results + 4 * size;
+      check(wasm.hs_bvh_nearest_to_points(this.#bvh, write(numbers), size, limit, 0, results,
+        distances));
+      const last = f32[distances / 4 + most - 1];
+      let found = size;
+      while (found > 0 && (u32[results / 4 + found - 1] === NO_ID ||
+        f32[distances / 4 + found - 1] > last)) --found;
+      if (found < size || !allTies) return idsAt(results, found);
+    }
   }
 
   nearestMany(points, k = 1, maxDistance = Infinity) {
     const array = numbersOf('points', points, this.#dimensions);
     const limit = Number(maxDistance);
     const most = this.#most(k);
-    const [ids, distances] = this.#nearestOf(array, this.#dimensions, most, (rows, ...to) =>
-      wasm.hs_bvh_nearest_to_points(this.#bvh, rows, most, limit, 0, ...to));
+    const [ids, distances] = this.#answers(array, this.#dimensions, [most, most],
+      (rows, _, ...to) =>
+        wasm.hs_bvh_nearest_to_points(this.#bvh, rows, most, limit, 0, ...to));
     return { k: most, ids, distances };
   }
 
-  raycast(origin, direction, maxT = Infinity) {
-    const limit = Number(maxT);
-    expect(limit >= 0, 'maxT', 'a number that is not negative', limit);
-    const { ids, ts } = this.raycastMany(Float32Array.of(
-      ...rowOf('origin', origin, this.#dimensions),
-      ...rowOf('direction', direction, this.#dimensions), limit));
-    return ids[0] === NO_ID ? null : { id: ids[0], t: ts[0] };
+  closestPoints(points, triangles, maxDistance = Infinity) {
+    const limit = Number(maxDistance);
+    const [ids, closest, distances] = this.#answers(floatsOf('points', points, 3), 3, [1, 3, 1],
+      (rows, its, ...to) => wasm.hs_bvh_closest_points(this.#bvh, rows, its, limit, 0, ...to),
+      floatsOf('triangles', triangles, 9));
+    return { ids, distances, closest };
   }
 
-  raycastMany(rays) {
+  raycast(origin, direction, maxT = Infinity) {
+    const ray = [...rowOf('origin', origin, this.#dimensions),
+      ...rowOf('direction', direction, this.#dimensions), Number(maxT)];
+    expect(ray.at(-1) >= 0, 'maxT', 'a number that is not negative', maxT);
+    const id = resultOf(wasm.hs_bvh_raycast(this.#open(), write(ray, 0), 0, 0, oneResult,
+      oneResult + 4));
+    return id === NO_ID ? null : { id, t: f32[oneResult / 4 + 1] };
+  }
+
+  raycastMany(rays, triangles) {
     const values = 2 * this.#dimensions + 1;
-    const array = Float32Array.from(numbersOf('rays', rays, values));
-    const [ids, ts] = this.#nearestOf(array, values, 1, (rows, ...to) =>
-      wasm.hs_bvh_raycast(this.#bvh, rows, 0, 0, ...to));
+    const array = floatsOf('rays', rays, values);
+    const its = triangles === undefined ? null : floatsOf('triangles', triangles, 9);
+    const call = its ? wasm.hs_bvh_raycast_triangles : wasm.hs_bvh_raycast;
+    // Without triangles it is the radius of rays that is 0.
+    const [ids, ts] = this.#answers(array, values, [1, 1],
+      (rows, trianglesOr0, ...to) => call(this.#bvh, rows, trianglesOr0, 0, ...to), its);
     return { ids, ts };
   }
 

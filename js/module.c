@@ -10,7 +10,7 @@
 EMSCRIPTEN_KEEPALIVE const hs_columns* rows(int slot, int is_double,
                                             const void* data, size_t count,
                                             size_t values) {
-  static hs_columns columns[8];
+  static hs_columns columns[16];
   columns[slot] = is_double ? hs_double_rows(data, count, values)
                             : hs_float_rows(data, count, values);
   return &columns[slot];
@@ -28,5 +28,12 @@ EMSCRIPTEN_KEEPALIVE const hs_pair_options* pair_options(float margin) {
   static hs_pair_options options;
   hs_pair_options_default(&options, sizeof options);
   options.margin = margin;
+  return &options;
+}
+
+EMSCRIPTEN_KEEPALIVE const hs_query_options* sphere_options(void) {
+  static hs_query_options options;
+  hs_query_options_default(&options, sizeof options);
+  options.shape = HS_SHAPE_SPHERE;
   return &options;
 }

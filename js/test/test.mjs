@@ -12,10 +12,11 @@ const data = process.env.HALFSPACE_TEST_DATA;
 const random = (state) => () =>
   (state = (Math.imul(state, 1664525) + 1013904223) >>> 0) / 2 ** 32;
 
-// Boxes of numbers that are floats, some of them points, and some far away.
+// Boxes of numbers that are floats, some of them points, some on a grid, and some far away.
 const someBoxes = (count, dimensions, next) => Array.from({ length: count }, () => {
   const scale = next() < 0.02 ? 1000 : 10;
-  const min = axes(dimensions).map(() => Math.fround(scale * next()));
+  const round = next() < 0.5 ? Math.fround : Math.round;
+  const min = axes(dimensions).map(() => round(scale * next()));
   const side = next() < 0.1 ? 0 : 1;
   return [...min, ...min.map((v) => Math.fround(v + side * next()))];
 });
@@ -25,6 +26,8 @@ const overlap = (a, b, d, margin = 0) =>
   axes(d).every((k) => a[k] <= b[d + k] + margin && b[k] <= a[d + k] + margin);
 const distance = (box, p, d) =>
   Math.hypot(...axes(d).map((k) => Math.max(0, box[k] - p[k], p[k] - box[d + k])));
+const around = (boxes, d) => axes(2 * d).map((k) =>
+  Math[k < d ? 'min' : 'max'](...boxes.map((box) => box[k])));
 const sorted = (ids) => Array.from(ids).sort((a, b) => a - b);
 const pairsOf = (ids, ordered) => sorted(Array.from({ length: ids.length / 2 }, (_, i) => {
   const [a, b] = [ids[2 * i], ids[2 * i + 1]];
@@ -59,10 +62,12 @@ function checkAnswers(tree, boxes, next) {
         assert.ok(Math.abs(value - expected[i]) <= 2e-6 * expected[i]);
       }
     });
-    const limit = expected[2] ?? 1;
-    const within = tree.nearest(point, Infinity, 1.001 * limit);
-    assert.ok(within.every((id) => distance(boxes.get(id), point, d) <= 1.002 * limit));
-    assert.ok(within.length >= expected.filter((value) => value <= limit).length);
+    const limit = expected[2] ?? expected.at(-1) ?? 1;
+    for (const ids of [tree.nearest(point, Infinity, 1.001 * limit), tree.within(point, limit),
+      tree.nearest(point, 3, Infinity, true)]) {
+      assert.ok(ids.every((id) => distance(boxes.get(id), point, d) <= 1.002 * limit));
+      assert.ok(ids.length >= expected.filter((value) => value <= limit).length);
+    }
 
     const origin = [-1, ...point.slice(1)];
     const met = touching([0, ...point.slice(1), Infinity, ...point.slice(1)]);
@@ -111,9 +116,7 @@ for (const dimensions of [2, 3]) {
         }
       }
       checkAnswers(tree, boxes, next);
-      const around = axes(2 * dimensions).map((k) => Math[k < dimensions ? 'min' : 'max'](
-        ...[...boxes.values()].map((box) => box[k])));
-      assert.deepEqual([...tree.bounds], around);
+      assert.deepEqual([...tree.bounds], around([...boxes.values()], dimensions));
       assert.ok(tree.idLimit > Math.max(...boxes.keys()));
     }
   });
@@ -125,16 +128,86 @@ test('a point whose numbers come from a call of the module', () => {
   assert.deepEqual([...tree.nearest({ length: 2, 0: 5, get 1() { return +five; } }, 1, five)], [1]);
 });
 
+// Vectors of 3 numbers.
+const minus = (a, b) => a.map((value, k) => value - b[k]);
+const dot = (a, b) => a.reduce((sum, value, k) => sum + value * b[k], 0);
+const cross = (a, b) => a.map((_, k) =>
+  a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3]);
+const edgesOf = ([a, b, c]) => [[a, b], [b, c], [c, a]];
+const normalOf = ([a, b, c]) => cross(minus(b, a), minus(c, a));
+
+// Where a ray hits a triangle. Without rounding errors if all are small whole numbers.
+function hit([origin, direction, limit], triangle) {
+  const along = dot(normalOf(triangle), direction);
+  const t = dot(normalOf(triangle), minus(triangle[0], origin)) / along;
+  const isInside = edgesOf(triangle).every(([a, b]) =>
+    along * dot(cross(minus(a, origin), minus(b, origin)), direction) >= 0);
+  return along !== 0 && isInside && t >= 0 && t <= limit ? t : Infinity;
+}
+
+// How far a point is from a triangle: along the normal, or else from an edge.
+function away(point, triangle) {
+  const normal = normalOf(triangle);
+  return Math.min(...[1, -1].map((sign) => (Math.hypot(...normal) || 1) *
+    hit([point, normal.map((value) => sign * value), Infinity], triangle)),
+  ...edgesOf(triangle).map(([a, b]) => {
+    const edge = minus(b, a);
+    const t = Math.min(1, Math.max(0, dot(edge, minus(point, a)) / dot(edge, edge) || 0));
+    return Math.hypot(...minus(point, a.map((value, k) => value + t * edge[k])));
+  }));
+}
+
+test('rays that hit triangles, and closest points', () => {
+  const next = random(9);
+  const some = (count, make) => Array.from({ length: count }, make);
+  const place = (size) => axes(3).map(() => Math.floor(size * next()));
+  const triangles = some(300, () => {
+    const at = place(20);
+    return some(3, () => place(6).map((value, k) => at[k] + value));
+  });
+  const tree = new BVH(triangles.flatMap((corners) =>
+    around(corners.map((corner) => [...corner, ...corner]), 3)), { dimensions: 3 });
+  const isNear = (a, b) => a === b || Math.abs(a - b) <= 1e-6 * (1 + b);
+  for (const erased of [0, 250]) {
+    tree.erase(some(erased, (_, id) => id));
+    const rays = some(200, () =>
+      [place(25), minus(place(7), [3, 3, 3]), next() < 0.5 ? 3 : Infinity]);
+    const points = some(200, () => place(30));
+    const hits = tree.raycastMany(rays.flat(2), Float32Array.from(triangles.flat(2)));
+    const near = tree.closestPoints(points.flat(), triangles.flat(2), 4.1);
+    for (const [ids, values, rows, measure] of [[hits.ids, hits.ts, rays, hit],
+      [near.ids, near.distances, points, (...of) => (away(...of) < 4.1 ? away(...of) : Infinity)]]) {
+      assert.ok(ids.includes(NO_ID) && ids.some((id) => id !== NO_ID));
+      rows.forEach((row, i) => {
+        const measured = triangles.map((triangle) => measure(row, triangle));
+        const least = Math.min(...measured.slice(erased));
+        assert.ok(isNear(values[i], least));
+        assert.ok(ids[i] >= erased && isNear(measured[ids[i]] ?? Infinity, least));
+      });
+    }
+    near.ids.forEach((id, i) => {
+      if (id === NO_ID) return;
+      const closest = near.closest.slice(3 * i, 3 * i + 3);
+      assert.ok(isNear(Math.hypot(...minus(points[i], closest)), near.distances[i]));
+      assert.ok(isNear(away([...closest], triangles[id]), 0));
+    });
+  }
+});
+
 test('doubles are rounded outward, and Infinity is a number', () => {
   const tree = new BVH([0.1, 0.1, 0.7, 0.7]);
   assert.ok(tree.bounds[0] < 0.1 && tree.bounds[2] > 0.7);
   assert.deepEqual([...tree.query([-Infinity, -Infinity, 0.1, Infinity])], [0]);
+  assert.deepEqual([...tree.within([Infinity, 0], 1)], [0]);
+  // 2 ** 24 + 1 is no float.
+  assert.equal(new BVH([2 ** 24 + 2, 0, 2 ** 25, 1]).within([2 ** 24 + 1, 0.1], 1).length, 1);
 });
 
 test('more results than there was room for, and memory that grows', () => {
   const tree = new BVH(new Float32Array(4 * 100000));
   const view = tree.bounds;
   assert.equal(tree.query([0, 0, 1, 1]).length, 100000);
+  assert.equal(tree.nearest([0, 0], 2, 1, true).length, 100000);
   assert.equal(tree.queryMany(new Float32Array(40)).ids.length, 1000000);
   assert.ok(view.length === 4 && view.every((value) => value === 0));
   assert.throws(() => tree.nearestMany(new Float32Array(2 * 20000), 100000), /out of memory/);
@@ -151,6 +224,7 @@ test('stored BVHs of C++', () => {
 });
 
 const flat = new BVH([0, 0, 1, 1]);
+const solid = new BVH([0, 0, 0, 1, 1, 1], { dimensions: 3 });
 const gone = new BVH([]);
 gone.dispose();
 gone.dispose();
@@ -173,11 +247,18 @@ for (const [argument, call] of [
   ['point[0]', () => flat.nearest([Symbol('x'), 0])],
   ['k', () => flat.nearest([0, 0], 0)],
   ['k', () => flat.nearest([0, 0], 1.5)],
+  ['point', () => flat.within([0], 1)],
+  ['radius', () => flat.within([0, 0], NaN)],
   ['maxDistance', () => flat.nearestMany([0, 0], 1, NaN)],
   ['origin[0]', () => flat.raycast([NaN, 0], [1, 0])],
   ['direction', () => flat.raycast([0, 0], [1])],
   ['rays[3]', () => flat.raycastMany(Float32Array.of(0, 0, 1, NaN, 9))],
   ['maxT', () => flat.raycast([0, 0], [1, 0], -1)],
+  ['dimensions', () => flat.raycastMany([0, 0, 1, 1, 9], new Float32Array(9))],
+  ['triangles', () => solid.raycastMany([0, 0, 0, 1, 1, 1, 9], [])],
+  ['triangles', () => solid.closestPoints([0, 0, 0], new Float32Array(10))],
+  ['points[2]', () => solid.closestPoints([0, 0, NaN], new Float32Array(9))],
+  ['maxDistance', () => solid.closestPoints([0, 0, 0], new Float32Array(9), -1)],
   ['margin', () => flat.pairs(1e39)],
   ['other', () => flat.join({})],
   ['other', () => flat.join(new BVH([], { dimensions: 3 }))],
@@ -212,7 +293,7 @@ test('the example of the README, in node and in Chromium', async (t) => {
   const lines = [];
   t.mock.method(console, 'log', (...values) => lines.push(JSON.stringify(values)));
   await import('./example.mjs');
-  assert.equal(lines.length, 4);
+  assert.equal(lines.length, 6);
   if (!hasChromium) return t.skip('there is no chromium');
   assert.equal(await postedBy(`<!DOCTYPE html><script type="importmap">
     {"imports": {"halfspace": "/node_modules/halfspace/index.js"}}</script>
