@@ -9,7 +9,7 @@ from typing import Any, Callable, Iterable, Iterator, Optional, Tuple, Type, Uni
 
 import numpy as np
 
-from . import _arrays, _files, _halfspace
+from . import _arrays, _halfspace
 from ._searches import Progress, Searches
 
 Path = Union[str, "os.PathLike[str]"]
@@ -187,9 +187,12 @@ class BVH(Searches):
         a change computes a checksum. It has the masks. Raises TypeError for an
         exact tree, whose float64 boxes are not stored either.
         """
+        self._check_is_not_exact()
+        return self._blob()
+
+    def _check_is_not_exact(self) -> None:
         if self._tree.is_exact:
             raise TypeError("expected a tree that is not exact: pickle an exact one")
-        return self._blob()
 
     def _blob(self) -> memoryview:
         blob: Any = self._tree.blob()  # a buffer
@@ -202,8 +205,8 @@ class BVH(Searches):
         leaves an older file as it was. Raises OSError if `path` is something other
         than a regular file, such as a device.
         """
-        with self.blob() as blob:
-            _files.replace(os.fsdecode(path), lambda file: file.write(blob))
+        self._check_is_not_exact()
+        self._tree.save(os.fsencode(path))
 
     def __reduce_ex__(self, protocol: Any) -> Tuple[Any, ...]:
         # Out of band if the pickler has a buffer_callback, and in band if not.
@@ -340,25 +343,12 @@ class BVH(Searches):
         >>> tree.raycast([0.75, 0.75, 0], [0, 0, 1], triangles=vertices[faces])
         (1, 2.0)
         """
-        if triangles is None:
-            return super().raycast(
-                origins,
-                directions,
-                max_t,
-                all_hits=all_hits,
-                mask=mask,
-                threads=threads,
-                progress=progress,
-            )
-        its_triangles = self._triangles(triangles)
-        starts = _arrays.points(origins, "origins", 3)
-        rays, _, single = _arrays.casts(starts, "origins", directions, max_t, 3)
-        ids, t = self._tree.cast_to_triangles(
-            rays, its_triangles, bool(all_hits), *_arrays.how(mask, threads, progress)
+        its_triangles = None if triangles is None else self._triangles(triangles)
+        starts = _arrays.points(origins, "origins", self.dims)
+        how = _arrays.how(mask, threads, progress)
+        return self._cast(
+            starts, "origins", directions, max_t, all_hits, how, its_triangles
         )
-        if all_hits:
-            return (ids[1] if single else ids), t
-        return (int(ids[0, 0]), float(t[0, 0])) if single else (ids[:, 0], t[:, 0])
 
     def closest_point(
         self,

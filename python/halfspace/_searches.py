@@ -279,9 +279,8 @@ class Searches:
         (array([0, 1]), array([1., 4.], dtype=float32))
         """
         starts = _arrays.points(origins, "origins", self.dims)
-        return self._cast(
-            starts, "origins", directions, max_t, all_hits, mask, threads, progress
-        )
+        how = _arrays.how(mask, threads, progress)
+        return self._cast(starts, "origins", directions, max_t, all_hits, how)
 
     def boxcast(
         self,
@@ -306,9 +305,8 @@ class Searches:
         (0, 4.0)
         """
         starts = _arrays.boxes(boxes, "boxes", self.dims)
-        return self._cast(
-            starts, "boxes", directions, max_t, all_hits, mask, threads, progress
-        )
+        how = _arrays.how(mask, threads, progress)
+        return self._cast(starts, "boxes", directions, max_t, all_hits, how)
 
     def spherecast(
         self,
@@ -329,9 +327,8 @@ class Searches:
         `boxcast`.
         """
         starts = _arrays.spheres(centers, radii, self.dims)
-        return self._cast(
-            starts, "centers", directions, max_t, all_hits, mask, threads, progress
-        )
+        how = _arrays.how(mask, threads, progress)
+        return self._cast(starts, "centers", directions, max_t, all_hits, how)
 
     def _cast(
         self,
@@ -340,15 +337,15 @@ class Searches:
         directions: Any,
         max_t: Any,
         all_hits: bool,
-        mask: Optional[int],
-        threads: Optional[int],
-        progress: Optional[Progress],
+        how: Tuple[int, int, Optional[Progress]],
+        triangles: Optional[_arrays.Arrays] = None,
     ) -> Tuple[Any, Any]:
+        """Casts to boxes, or rays to triangles."""
         arrays, motions, single = _arrays.casts(
             starts, name, directions, max_t, self.dims
         )
-        how = _arrays.how(mask, threads, progress)
-        ids, t = self._tree.cast(arrays, motions, bool(all_hits), *how)
+        cast = self._tree.cast if triangles is None else self._tree.cast_to_triangles
+        ids, t = cast(arrays, triangles or motions, bool(all_hits), *how)
         if all_hits:
             return (ids[1] if single else ids), t
         return (int(ids[0, 0]), float(t[0, 0])) if single else (ids[:, 0], t[:, 0])

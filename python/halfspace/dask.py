@@ -69,7 +69,7 @@ from dask.delayed import Delayed
 from dask.highlevelgraph import HighLevelGraph
 
 import halfspace as hs
-from halfspace import _arrays, _files
+from halfspace import _arrays
 
 __all__ = ["BVH", "join", "join_batches", "scan", "scan_batches"]
 
@@ -675,7 +675,10 @@ def _write_pairs(pairs_in, partition: _Partition, piece, prefix: str, most: int,
     for pairs, begin, _ in _batches(pairs_in, partition, piece, most, ranges):
         path = f"{prefix}-{begin:09}.npy"
         pairs = np.ascontiguousarray(pairs)  # which NumPy writes in one piece
-        _files.replace(path, lambda file: np.save(file, pairs), is_synced=False)
+        temporary = f"{path}.{uuid.uuid4().hex}.tmp"
+        with open(temporary, "wb") as file:
+            np.save(file, pairs)
+        os.replace(temporary, path)
         paths.append(path)
     return paths, []
 
