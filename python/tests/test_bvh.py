@@ -159,29 +159,15 @@ def distances_of(points, boxes):
     return np.linalg.norm(np.maximum(gap, 0), axis=2)
 
 
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
-@pytest.mark.parametrize("as_boxes", [False, True])
-@pytest.mark.parametrize("k", [1, 5, 5000])
-def test_nearest(rng, dims, boxes, dtype, as_boxes, k):
-    points = 2 * rng.random((50, dims)).astype(dtype)
-    if as_boxes:
-        points = np.concatenate([points, points + dtype(0.01)], axis=1)
-    ids, distances = hs.BVH(boxes).nearest(points, k)
-    exact = distances_of(points, boxes)
-    found = min(k, len(boxes))
-    assert ids.shape == distances.shape == (50, k)
-    assert (ids[:, found:] == -1).all() and np.isinf(distances[:, found:]).all()
-    ids, distances = ids[:, :found], distances[:, :found]
-    assert np.allclose(distances, np.sort(exact, axis=1)[:, :found], 1e-5, 1e-7)
-    assert np.allclose(distances, np.take_along_axis(exact, ids, 1), 1e-5, 1e-7)
-    assert (np.diff(np.sort(ids, axis=1), axis=1) > 0).all()
-
-
 def test_nearest_within_a_distance():
     tree = hs.BVH([[0, 0, 1, 1], [4, 0, 5, 1]])
     ids, distances = tree.nearest([2, 0], k=2, max_distance=1.5)
     assert ids.tolist() == [0, -1]
     assert distances.tolist() == [1, np.inf]
+    # More than the results of one part.
+    ids, distances = tree.nearest(np.float32([[2, 0], [4, 0]]), k=5000)
+    assert ids[:, :2].tolist() == [[0, 1], [1, 0]] and (ids[:, 2:] == -1).all()
+    assert distances[:, :2].tolist() == [[1, 2], [0, 3]] and np.isinf(distances[:, 2:]).all()
     # 0.1 is no float: the limit is rounded up, and an object at it is found.
     assert tree.nearest([1.1, 0], max_distance=1.1 - 1)[0].tolist() == [0]
 
@@ -374,14 +360,6 @@ def test_many_queries_of_a_large_tree(rng, dims, exact):
     ]:
         for whole, *found in zip(call(slice(None)), *map(call, few)):
             assert np.array_equal(whole, np.concatenate(found))
-
-
-def gaps_between(queries, boxes):
-    """Between all pairs of boxes, as doubles."""
-    d = boxes.shape[1] // 2
-    a, b = np.float64(queries)[:, np.newaxis], np.float64(boxes)[np.newaxis]
-    gaps = np.maximum(a[..., :d] - b[..., d:], b[..., :d] - a[..., d:])
-    return np.linalg.norm(np.maximum(gaps, 0), axis=2)
 
 
 # Those that are in doubt as floats are left out of the comparison.
