@@ -186,9 +186,7 @@ def ids(value: Any, name: str) -> np.ndarray:
 
 
 def masks(categories: Any, collides_with: Any, count: int) -> np.ndarray:
-    """Rows of a category and what it collides with, as uint32. No rows if both are None."""
-    if categories is None and collides_with is None:
-        return np.empty((0, 2), np.uint32)
+    """Rows of a category and what it collides with, as uint32. None means all bits."""
     table: np.ndarray = np.full((count, 2), ALL_MASKS, np.uint32)
     if categories is not None:
         table[:, 0] = _masks(categories, "categories", count)

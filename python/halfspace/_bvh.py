@@ -55,14 +55,6 @@ class BVH(Searches):
     tree takes 8 more bytes for each value of a box. It can be pickled, but it has no
     `blob` and no file.
 
-    >>> import numpy as np, halfspace as hs
-    >>> a = np.array([[0, 0, 1, 1], [2, 2, 3, 3]], float)
-    >>> b = np.array([[1, 1, 2 - 1e-12, 2 - 1e-12]])
-    >>> sorted(hs.BVH(a).query(b)[1].tolist())
-    [0, 1]
-    >>> hs.BVH(a, exact=True).query(b)[1]
-    array([0])
-
     A NaN, or a box with min > max, raises ValueError. The exception is the empty
     box, with minima of inf and maxima of -inf: only a query without limits can
     find it. Infinite boxes are allowed. Masked values of a masked array, in any
@@ -141,15 +133,6 @@ class BVH(Searches):
         The tree has the given quality if all boxes fit into one run, and otherwise it is
         "fast". The call uses one thread. Ctrl-C ends it between two chunks, but not while
         it sorts after the last one. Raises OSError if a file cannot be written.
-
-        >>> import numpy as np, halfspace as hs, tempfile, os
-        >>> def chunks():
-        ...     for seed in range(10):
-        ...         low = np.random.default_rng(seed).random((1000, 2))
-        ...         yield np.hstack([low, low + 0.01])
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     len(hs.BVH.from_chunks(os.path.join(folder, "boxes.bvh"), chunks()))
-        10000
         """
         if isinstance(chunks, np.ndarray):
             raise TypeError("chunks: expected a list or an iterator of arrays, got one array")
@@ -335,13 +318,6 @@ class BVH(Searches):
         passes between two triangles that share an edge. A triangle without an area,
         or in whose plane the ray lies, is not hit. `t` is within one float32 of the
         exact value.
-
-        >>> import numpy as np, halfspace as hs
-        >>> vertices = np.array([[0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 3]])
-        >>> faces = [[0, 1, 2], [1, 3, 2]]
-        >>> tree = hs.BVH(hs.bounds_of_triangles(vertices, faces))
-        >>> tree.raycast([0.75, 0.75, 0], [0, 0, 1], triangles=vertices[faces])
-        (1, 2.0)
         """
         its_triangles = None if triangles is None else self._triangles(triangles)
         starts = _arrays.points(origins, "origins", self.dims)
@@ -370,12 +346,6 @@ class BVH(Searches):
         triangles at the same distance, the one with the least id. If none is within
         `max_distance`, they are -1, inf and NaN. Distances are computed in float64 and
         rounded.
-
-        >>> import halfspace as hs
-        >>> triangles = [[[0, 0, 0], [4, 0, 0], [0, 4, 0]]]
-        >>> tree = hs.BVH([[0, 0, 0, 4, 4, 0]])
-        >>> tree.closest_point([1, 1, 2], triangles)
-        (0, 2.0, array([1., 1., 0.], dtype=float32))
         """
         its_triangles = self._triangles(triangles)
         table = _arrays.points(points, "points", 3)
@@ -431,12 +401,6 @@ class BVH(Searches):
         Raises ValueError, and changes nothing, if an object has such an id, or if
         an id is in `ids` twice. Memory grows with the greatest id, by about 4
         bytes for each.
-
-        >>> import halfspace as hs
-        >>> tree = hs.BVH([[0, 0, 1, 1]])
-        >>> tree.insert_as([7], [[2, 2, 3, 3]])
-        >>> tree.query([2, 2, 3, 3])
-        array([7])
         """
         self._tree.insert_as(*self._rows(ids, boxes))
 
@@ -518,12 +482,6 @@ class BVH(Searches):
         that need the blocks of two trees, also for a `join` in a block, take them
         in the same order. A process that is forked by another thread during a
         block cannot use the tree: its calls would wait forever.
-
-        >>> import halfspace as hs
-        >>> tree = hs.BVH([[0, 0, 1, 1], [2, 2, 3, 3]])
-        >>> with tree.changing():
-        ...     tree.erase(0)
-        ...     tree.refit([5, 5, 6, 6], 1)
         """
         return self._tree.changing()
 

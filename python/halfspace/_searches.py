@@ -297,12 +297,6 @@ class Searches:
 
         A box moves by t times its direction. float64 boxes are enclosed. The
         rest is as in `raycast`.
-
-        >>> import halfspace as hs
-        >>> tree = hs.BVH([[5, 1, 6, 2], [8, 0, 9, 1]])
-        >>> id, t = tree.boxcast([0, 0, 1, 1.5], [1, 0])
-        >>> id, round(t, 4)
-        (0, 4.0)
         """
         starts = _arrays.boxes(boxes, "boxes", self.dims)
         how = _arrays.how(mask, threads, progress)
