@@ -312,10 +312,13 @@ def threads(value: Optional[int]) -> int:
     return positive(value, "threads", MOST_THREADS)
 
 
+How = Tuple[int, int, Any]
+
+
 def how(
     mask_of_call: Optional[int], threads_of_call: Optional[int], progress: Any
-) -> Tuple[int, int, Any]:
-    """The last arguments of a search."""
+) -> How:
+    """The last argument of a search."""
     return mask(mask_of_call), threads(threads_of_call), progress
 
 

@@ -198,16 +198,14 @@ class BVH(Searches):
         doubles = (self._tree.doubles(),) if self._tree.is_exact else ()
         return _unpickle, (type(self), data, *doubles), getattr(self, "__dict__", None)
 
-    def _query(
-        self, table: _arrays.Table, mask: int, threads: int, progress: Optional[Progress]
-    ) -> np.ndarray:
+    def _query(self, table: _arrays.Table, how: _arrays.How) -> np.ndarray:
         if (
             table.length >= 4096
             and table.columns == 2 * self.dims
-            and self._is_join_faster(table, mask)
+            and self._is_join_faster(table, how[0])
         ):
-            return self._tree.query_by_join(table.arrays, mask, threads, progress)
-        return super()._query(table, mask, threads, progress)
+            return self._tree.query_by_join(table.arrays, how)
+        return super()._query(table, how)
 
     def _is_join_faster(self, table: _arrays.Table, mask: int) -> bool:
         # As measured with 10^3 to 10^6 objects and 10^4 to 10^6 queries. With fewer
@@ -223,7 +221,7 @@ class BVH(Searches):
         sample = tuple(a[: 64 * step : step] for a in table.arrays)
         # In a large tree, queries in turn also miss the cache.
         many_results = 64 * (8 if size < 2**18 else 16)
-        return bool(self._tree.count(sample, mask, 1, None).sum() < many_results)
+        return bool(self._tree.count(sample, (mask, 1, None)).sum() < many_results)
 
     def query_batches(
         self,
@@ -243,22 +241,22 @@ class BVH(Searches):
         """
         table = self._boxes(boxes)
         most = _arrays.positive(max_results, "max_results")
-        return self._batches(table, most, _arrays.mask(mask), _arrays.threads(threads))
+        return self._batches(table, most, _arrays.how(mask, threads, None))
 
     def _batches(
-        self, table: _arrays.Table, most: int, mask: int, threads: int
+        self, table: _arrays.Table, most: int, how: _arrays.How
     ) -> Iterator[np.ndarray]:
         changes = self._tree.changes
         step = 1 << 16  # boxes that are counted at a time
         for first in range(0, table.length, step):
             block = table.rows(first, min(first + step, table.length))
-            counts = self._tree.count(block.arrays, mask, threads, None)
+            counts = self._tree.count(block.arrays, how)
             ends = np.cumsum(counts, dtype=np.int64)
             begin, found = 0, 0
             while begin < block.length:
                 # As many rows as have at most so many results, or one.
                 end = int(np.searchsorted(ends, found + most, "right"))
-                for batch in self._batch(block, begin, end, most, mask, threads):
+                for batch in self._batch(block, begin, end, most, how):
                     self._check_unchanged(changes)
                     batch[0] += first
                     yield batch
@@ -272,16 +270,10 @@ class BVH(Searches):
             raise RuntimeError("the tree changed during query_batches")
 
     def _batch(
-        self,
-        block: _arrays.Table,
-        begin: int,
-        end: int,
-        most: int,
-        mask: int,
-        threads: int,
+        self, block: _arrays.Table, begin: int, end: int, most: int, how: _arrays.How
     ) -> Iterator[np.ndarray]:
         if end > begin:
-            batch = self._query(block.rows(begin, end), mask, threads, None)
+            batch = self._query(block.rows(begin, end), how)
             batch[0] += begin
             if batch.shape[1]:
                 yield batch
@@ -289,7 +281,7 @@ class BVH(Searches):
         arrays = block.rows(begin, begin + 1).arrays
         skip, total = 0, 1
         while skip < total:
-            ids, total = self._tree.query_some(arrays, mask, skip, most)
+            ids, total = self._tree.query_some(arrays, how[0], skip, most)
             skip += most
             if len(ids):
                 yield np.stack([np.full(len(ids), begin, np.int64), ids])
@@ -353,7 +345,7 @@ class BVH(Searches):
             _arrays.floats(table.arrays),
             its_triangles,
             _arrays.round_up(_arrays.not_negative(max_distance, "max_distance")),
-            *_arrays.how(mask, threads, progress),
+            _arrays.how(mask, threads, progress),
         )
         if table.single:
             return int(ids[0, 0]), float(distances[0, 0]), closest[0]
@@ -383,7 +375,7 @@ class BVH(Searches):
         equal calls return the same order.
         """
         how = _arrays.how(mask, threads, progress)
-        return self._tree.pairs(None, _arrays.margin(margin), *how)
+        return self._tree.pairs(None, _arrays.margin(margin), how)
 
     def insert(self, boxes: Any) -> Union[np.ndarray, int]:
         """Adds objects and returns their ids.
@@ -557,7 +549,7 @@ def join(
             f"b: expected a BVH of {a.dims} dimensions, as a, got {b.dims} dimensions"
         )
     how = _arrays.how(mask, threads, progress)
-    return a._tree.pairs(b._tree, _arrays.margin(margin), *how)
+    return a._tree.pairs(b._tree, _arrays.margin(margin), how)
 
 
 def _is_fast(quality: Any) -> bool:

@@ -572,12 +572,11 @@ void FillRows(const std::vector<std::size_t>& ends, std::int64_t* rows,
 
 // Sorts the queries into a tree of their own and joins the trees: queries that
 // are near each other share what they read. Then sorts the pairs by row.
-Ids QueryByJoin(Tree& tree, const py::tuple& arrays, std::uint32_t mask,
-                std::size_t threads, py::object progress) {
+Ids QueryByJoin(Tree& tree, const py::tuple& arrays, const py::tuple& how) {
   const Columns boxes(arrays);
   hs_pair_options options = DefaultOf(&hs_pair_options_default);
-  options.mask = mask;
-  Work work(threads, std::move(progress));
+  options.mask = MaskOf(how);
+  Work work = WorkOf(how);
   const Reading reading(tree);
   const auto results = [&] {
     const py::gil_scoped_release release;
@@ -648,12 +647,11 @@ std::vector<double> DoublesOf(const Tree& tree) {
 
 // The pairs of a tree and of `b`, or of itself if this is null, in an array of
 // shape (2, n). Those of one tree have i < j.
-Ids PairsOf(Tree& tree, Tree* b, float margin, std::uint32_t mask,
-            std::size_t threads, py::object progress) {
+Ids PairsOf(Tree& tree, Tree* b, float margin, const py::tuple& how) {
   hs_pair_options options = DefaultOf(&hs_pair_options_default);
   options.margin = margin;
-  options.mask = mask;
-  Work work(threads, std::move(progress));
+  options.mask = MaskOf(how);
+  Work work = WorkOf(how);
   const auto results = [&] {
     Tree& other = b == nullptr ? tree : *b;
     WaitUntilOpen(tree, other);
@@ -697,11 +695,10 @@ Ids PairsOf(Tree& tree, Tree* b, float margin, std::uint32_t mask,
 // that of object i.
 py::tuple CastToTriangles(Tree& tree, const py::tuple& its_rays,
                           const py::tuple& its_triangles, bool finds_all,
-                          std::uint32_t mask, std::size_t threads,
-                          py::object progress) {
+                          const py::tuple& how) {
   const Columns triangles(its_triangles);
-  const hs_query_options options = Searches<Tree>::OptionsOf(mask);
-  Work work(threads, std::move(progress));
+  const hs_query_options options = Searches<Tree>::OptionsOf(MaskOf(how));
+  Work work = WorkOf(how);
   const Reading reading(tree);
   const Columns rays = Searches<Tree>::QueriesIn(tree, its_rays);
   if (finds_all) {
@@ -725,11 +722,10 @@ py::tuple CastToTriangles(Tree& tree, const py::tuple& its_rays,
 // them, of shape (n, 3).
 py::tuple ClosestPoints(Tree& tree, const py::tuple& its_points,
                         const py::tuple& its_triangles, float max_distance,
-                        std::uint32_t mask, std::size_t threads,
-                        py::object progress) {
+                        const py::tuple& how) {
   const Columns triangles(its_triangles);
-  const hs_query_options options = Searches<Tree>::OptionsOf(mask);
-  Work work(threads, std::move(progress));
+  const hs_query_options options = Searches<Tree>::OptionsOf(MaskOf(how));
+  Work work = WorkOf(how);
   const Reading reading(tree);
   const Columns points = Searches<Tree>::QueriesIn(tree, its_points);
   py::array_t<float> closest(std::vector<std::size_t>{points.count, 3});
