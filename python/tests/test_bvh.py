@@ -362,28 +362,24 @@ def test_many_queries_of_a_large_tree(rng, dims, exact):
             assert np.array_equal(whole, np.concatenate(found))
 
 
-# Those that are in doubt as floats are left out of the comparison.
 @pytest.mark.parametrize("kind", [hs.BVH, hs.BroadPhase])
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 @pytest.mark.parametrize("each", [False, True])
-def test_what_is_within_a_distance(boxes, queries, kind, dtype, each):
+def test_what_is_within_a_distance(rng, dims, kind, dtype, each):
+    """On a grid, so that floats are exact."""
+    corners = rng.integers(0, 40, (1500, dims)).astype(dtype)
+    boxes, centers = np.hstack([corners, corners + 1]), corners[::-1]
+    queries = np.hstack([centers, centers + 2])
     tree = tree_of(kind, boxes)
-    within = np.linspace(0, 0.3, len(queries)) if each else 0.07
-    limits = np.broadcast_to(within, len(queries))[:, np.newaxis]
-    centers = queries[:, : tree.dims]
-
-    def check(found, distances):
-        matrix = as_matrix(found, distances.shape)
-        assert matrix[distances <= limits].all()
-        assert not matrix[distances > 1.0001 * limits + 1e-5].any()
+    within = np.arange(len(queries)) % 8 / 2 if each else 2.5
+    limits = np.broadcast_to(within, len(queries))
+    for call, its in ((lambda some, limit: tree.query(queries[some], within=limit), queries),
+                      (lambda some, limit: tree.query_sphere(centers[some], limit), centers)):
+        expected = distances_of(its, boxes) <= limits[:, np.newaxis]
+        found = call(slice(None), within)
+        assert (as_matrix(found, expected.shape) == expected).all()
         assert (np.diff(found[0]) >= 0).all()
-
-    points = np.hstack([centers, centers])
-    check(tree.query(dtype(queries), within=within), distances_of(queries, boxes))
-    check(tree.query_sphere(dtype(centers), within), distances_of(centers, boxes))
-    rows, ids = tree.query(queries, within=within)
-    assert sorted(tree.query(queries[3], within=limits[3, 0])) == sorted(ids[rows == 3])
-    assert sorted(tree.query_sphere(centers[3], 0.0)) == sorted(tree.query(points[3]))
+        assert sorted(call(3, limits[3])) == np.flatnonzero(expected[3]).tolist()
 
 
 @pytest.mark.parametrize("kind", [hs.BVH, hs.BroadPhase])

@@ -175,23 +175,14 @@ def test_divisions_are_rows(no_client):
     assert len(some) == one.count(boxes[900:1001]).sum()
 
 
-@pytest.mark.parametrize("partitions", [4, 20])
-def test_nearest_has_no_rows_beyond_the_objects(no_client, monkeypatch, partitions):
-    rng = np.random.default_rng(19)
-    boxes, points, search = uniform(rng, 200), rng.random((200, 3)), hd._nearest_in
-    searched = []
-
-    def nearest_in(partition, piece, *arguments):
-        found = search(partition, piece, *arguments)
-        searched.append(len(piece[0]) * len(partition.tree))
-        assert {len(column) for column in found} == {searched[-1]}
-        return found
-
-    monkeypatch.setattr(hd, "_nearest_in", nearest_in)
-    found = hd.BVH(boxes, partitions).nearest(points, k=3000).compute()
-    assert len(found) == sum(searched) == 40_000
-    monkeypatch.undo()
-    assert len(hd.BVH(boxes, partitions).nearest(points + 9, 5, 1).compute(scheduler="sync")) == 0
+def test_nearest_has_no_rows_beyond_the_objects(no_client):
+    boxes = uniform(np.random.default_rng(19), 200)
+    partition = hd._Partition(hs.BVH(boxes), np.arange(200))
+    found = hd._nearest_in(partition, (boxes, np.arange(200)), 3000, np.inf)
+    assert {len(column) for column in found} == {40_000}
+    tree = hd.BVH(boxes, 20)
+    assert len(tree.nearest(boxes, k=3000).compute()) == 40_000
+    assert len(tree.nearest(boxes + 9, 5, 1).compute()) == 0
 
 
 @pytest.mark.filterwarnings("error:overflow")
