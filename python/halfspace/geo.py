@@ -23,17 +23,9 @@ from ._bvh import BVH
 
 __all__ = ["STRtree", "sjoin", "sjoin_nearest"]
 
-_PREDICATES = (
-    "intersects",
-    "within",
-    "contains",
-    "overlaps",
-    "crosses",
-    "touches",
-    "covers",
-    "covered_by",
-    "contains_properly",
-    "dwithin",
+_PREDICATES = tuple(
+    "intersects within contains overlaps crosses touches covers covered_by contains_properly "
+    "dwithin".split()
 )
 _IS_VECTORISED = hasattr(shapely, "STRtree") and hasattr(shapely, "bounds")
 
