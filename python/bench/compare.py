@@ -9,7 +9,6 @@ python3-geopandas, python3-scipy and libgeos-dev. --quick takes a hundredth of t
 and one repetition.
 """
 
-import argparse
 import ctypes
 import gc
 import os
@@ -233,13 +232,6 @@ def pairs_within(boxes, probes, limit):
 # The table.
 
 
-def seconds(call):
-    """CPU time: other programs disturb it less, and no library gains by threads."""
-    begin = time.process_time()
-    result = call()  # whose end takes no time here
-    return time.process_time() - begin
-
-
 def bytes_of(build):
     """The result of a build, and by how much the memory of the process has grown."""
     def resident():
@@ -265,7 +257,8 @@ def row_of(repetitions, objects, count, call, peer, ours, theirs, answer=as_pair
     times = [], []
     while len(times[0]) < repetitions and sum(times[1]) < 1:
         for run, some in zip((ours, theirs), times):
-            some.append(seconds(run))
+            # CPU time: other programs disturb it less, and no library gains by threads.
+            some.append(report.seconds(run, time.process_time)[0])
     return [call, objects, peer, round(np.size(answers[0]) / count, 2) or None,
             report.spread([t / count * 1e6 for t in times[0]]), report.ratios(times[1], times[0]),
             *sizes]
@@ -488,13 +481,11 @@ def table_of(rows):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = report.parser(__doc__)
     parser.add_argument("--quick", action="store_true",
                         help="a hundredth of the objects, one repetition")
     parser.add_argument("--repetitions", type=int, default=7,
                         help="of calls that take less than a seventh of a second (7)")
-    parser.add_argument("--out", help="also write the table here, as JSON")
     arguments = parser.parse_args()
     if not shapely.__version__.startswith("1.8"):
         sys.exit(f"compare.py needs Shapely 1.8, as in Debian 12: this is {shapely.__version__}")
@@ -509,11 +500,7 @@ def main():
         rows = [row_of(repetitions, *row)
                 for world in (boxes_of, of_points, packages, geometries, triangles_of)
                 for row in world(geos, scale, rng)]
-    report.progress("")
-    tables = [table_of(rows)]
-    report.show(tables)
-    if arguments.out:
-        report.write(arguments.out, tables, SEED, repetitions)
+    report.show([table_of(rows)], arguments.out, SEED, repetitions)
 
 
 if __name__ == "__main__":

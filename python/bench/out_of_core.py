@@ -8,20 +8,19 @@ Needs the module `halfspace`, root and cgroups of memory (version 1 or 2) for th
 70 bytes on the disk for each box. The files are in the current folder.
 """
 
-import argparse
-import json
+import concurrent.futures
+import multiprocessing
 import os
 import pathlib
 import resource
-import subprocess
 import sys
 import tempfile
-import time
 
 import numpy as np
 
 import halfspace as hs
 import report
+from report import seconds
 
 CHUNK = 1 << 20
 QUERIES = 20_000
@@ -42,12 +41,6 @@ def chunks_of(objects):
     for first in range(0, objects, CHUNK):
         report.progress(f"{first / objects:.0%}")
         yield boxes_of(first, min(CHUNK, objects - first), objects)
-
-
-def seconds(call):
-    begin = time.perf_counter()
-    result = call()
-    return time.perf_counter() - begin, result
 
 
 def query_times(tree, queries):
@@ -76,13 +69,12 @@ def measure(objects, memory, folder):
                                                      memory=memory))
     check(tree, queries, objects)
     query, _ = query_times(tree, queries)
-    result = {"make": make, "build": build, "query": query, "bytes": os.path.getsize(path),
-              "rss": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024}
-    print(json.dumps(result))
+    return {"make": make, "build": build, "query": query, "bytes": os.path.getsize(path),
+            "rss": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024}
 
 
-def limited(memory):
-    """Runs measure() in a cgroup of its own, and returns its result."""
+def limited(objects, memory):
+    """Runs measure() in a process in a cgroup of its own, and returns its result."""
     for folder, file in (("/sys/fs/cgroup/memory", "memory.limit_in_bytes"),
                          ("/sys/fs/cgroup", "memory.max")):
         group = pathlib.Path(folder, f"halfspace-{os.getpid()}")
@@ -95,14 +87,13 @@ def limited(memory):
             continue
         try:
             # Here, because a process that runs out of memory removes no folder.
-            with tempfile.TemporaryDirectory(dir=".") as folder:
-                done = subprocess.run(
-                    [sys.executable, *sys.argv, "--measure", folder], text=True, check=True,
-                    stdout=subprocess.PIPE,
-                    preexec_fn=lambda: (group / "cgroup.procs").write_text(str(os.getpid())))
+            with tempfile.TemporaryDirectory(dir=".") as folder, \
+                    concurrent.futures.ProcessPoolExecutor(
+                        1, multiprocessing.get_context("fork"),
+                        lambda: (group / "cgroup.procs").write_text(str(os.getpid()))) as pool:
+                return pool.submit(measure, objects, memory // 4, folder).result()
         finally:
             group.rmdir()
-        return json.loads(done.stdout)
     sys.exit("the memory cannot be limited: run this as root, with cgroups of memory")
 
 
@@ -135,20 +126,14 @@ def in_memory(objects, repetitions=5):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = report.parser(__doc__)
     parser.add_argument("--objects", type=int, default=100_000_000)
     parser.add_argument("--memory", type=float, default=1, help="in GB of 2^30 bytes")
-    parser.add_argument("--out", help="also write the tables here, as JSON")
-    parser.add_argument("--measure", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     objects = arguments.objects
     memory = int(arguments.memory * (1 << 30))
-    if arguments.measure:
-        return measure(objects, memory // 4, arguments.measure)
-    found = limited(memory)
+    found = limited(objects, memory)
     rows = in_memory(min(objects, IN_MEMORY))
-    report.progress("")
     column = report.column
     text = f"{objects:,}".replace(",", " ")
     tables = [
@@ -165,9 +150,7 @@ def main():
                      "that of a tree in memory".replace(",", " "),
                      [column("quality", key=True), column("build"), column("query, one a call"),
                       column("query, all in one call")], rows)]
-    report.show(tables)
-    if arguments.out:
-        report.write(arguments.out, tables, 0, 5)
+    report.show(tables, arguments.out, 0, 5)
 
 
 if __name__ == "__main__":

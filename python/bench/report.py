@@ -1,6 +1,7 @@
 """The report of a measurement in Python: tables as text, and as the JSON that
 docs/report.schema.json describes and scripts/results.py reads."""
 
+import argparse
 import datetime
 import json
 import pathlib
@@ -9,10 +10,26 @@ import re
 import statistics
 import subprocess
 import sys
+import time
 
 import numpy as np
 
 import halfspace as hs
+
+
+def parser(description):
+    """The options of a measurement: `--out`, and those that the caller adds."""
+    made = argparse.ArgumentParser(description=description,
+                                   formatter_class=argparse.RawDescriptionHelpFormatter)
+    made.add_argument("--out", help="also write the tables here, as JSON")
+    return made
+
+
+def seconds(call, clock=time.perf_counter):
+    """The time of a call, and its result, whose end takes no time here."""
+    begin = clock()
+    result = call()
+    return clock() - begin, result
 
 
 def progress(text):
@@ -89,7 +106,9 @@ def _cell(value, one):
     return f"{_text(middle, digits)} [{_text(low, digits)}, {_text(high, digits)}]"
 
 
-def show(tables):
+def show(tables, out, seed, repetitions):
+    """Prints the tables, and writes them to the file `out`, if there is one."""
+    progress("")
     for each in tables:
         head = [c["name"] + (f", {c['unit']}" if "unit" in c else "") for c in each["columns"]]
         lines = [head] + [list(map(_cell, row, each["columns"])) for row in each["rows"]]
@@ -99,9 +118,11 @@ def show(tables):
             print("  ".join(text.ljust(width) for text, width in zip(line, widths)).rstrip())
         for note in each["notes"]:
             print(note)
+    if out:
+        _write(out, tables, seed, repetitions)
 
 
-def write(path, tables, seed, repetitions):
+def _write(path, tables, seed, repetitions):
     def compact(value):
         return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
 

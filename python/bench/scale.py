@@ -7,7 +7,6 @@ and computes by a model what 1000 workers and 10^11 boxes would cost.
 Needs the module `halfspace`, and python3-distributed. docs/scale.md explains the model.
 """
 
-import argparse
 import os
 import sys
 import tempfile
@@ -20,6 +19,7 @@ import numpy as np
 import halfspace as hs
 import halfspace.dask as hd
 import report
+from report import seconds
 
 WORKERS = 2
 PARTITIONS = 2 * WORKERS
@@ -48,12 +48,6 @@ def collection(world, rows, side, first):
     parts = [dask.array.from_delayed(dask.delayed(world)(first + chunk, each, side),
                                      (each, 6), np.float32) for chunk in range(CHUNKS)]
     return dask.array.concatenate(parts)
-
-
-def seconds(call):
-    begin = time.perf_counter()
-    result = call()
-    return time.perf_counter() - begin, result
 
 
 def incoming(client):
@@ -225,11 +219,9 @@ def measure(client, name, world, objects, probes, side, repetitions):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = report.parser(__doc__)
     parser.add_argument("--objects", type=int, default=8_000_000)
     parser.add_argument("--repetitions", type=int, default=5)
-    parser.add_argument("--out", help="also write the tables here, as JSON")
     arguments = parser.parse_args()
     objects = arguments.objects // CHUNKS * CHUNKS
     probes = objects // 4 // CHUNKS * CHUNKS
@@ -247,7 +239,6 @@ def main():
                  for name, (world, side) in worlds.items()}
         task = report.median([task_seconds(client) for _ in range(3)])
         bandwidth = bytes_a_second(client)
-    report.progress("")
 
     column = report.column
     measured = report.table(
@@ -273,9 +264,7 @@ def main():
            f"{WORKERS} workers.",
            f"A worker receives {bandwidth / 1e9:.2f} GB/s."])
     tables = [measured, *model(found["uniform"], objects, probes, task, bandwidth)]
-    report.show(tables)
-    if arguments.out:
-        report.write(arguments.out, tables, 0, arguments.repetitions)
+    report.show(tables, arguments.out, 0, arguments.repetitions)
 
 
 if __name__ == "__main__":

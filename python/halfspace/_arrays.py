@@ -186,9 +186,7 @@ def ids(value: Any, name: str) -> np.ndarray:
 
 
 def masks(categories: Any, collides_with: Any, count: int) -> np.ndarray:
-    """Rows of a category and what it collides with, as uint32. No rows if both are None."""
-    if categories is None and collides_with is None:
-        return np.empty((0, 2), np.uint32)
+    """Rows of a category and what it collides with, as uint32. None means all bits."""
     table: np.ndarray = np.full((count, 2), ALL_MASKS, np.uint32)
     if categories is not None:
         table[:, 0] = _masks(categories, "categories", count)
@@ -314,10 +312,13 @@ def threads(value: Optional[int]) -> int:
     return positive(value, "threads", MOST_THREADS)
 
 
+How = Tuple[int, int, Any]
+
+
 def how(
     mask_of_call: Optional[int], threads_of_call: Optional[int], progress: Any
-) -> Tuple[int, int, Any]:
-    """The last arguments of a search."""
+) -> How:
+    """The last argument of a search."""
     return mask(mask_of_call), threads(threads_of_call), progress
 
 

@@ -152,17 +152,7 @@ class BroadPhase(Searches):
     __copy__ = copy
 
     def save(self) -> bytes:
-        """Returns all bodies, masks and pairs as bytes, for `load`.
-
-        >>> import halfspace as hs
-        >>> bodies = hs.BroadPhase(dimensions=2)
-        >>> bodies.insert([3, 4], [[0, 0, 1, 1], [2, 2, 3, 3]])
-        >>> state = bodies.save()
-        >>> bodies.erase(3)
-        >>> bodies.load(state)
-        >>> 3 in bodies
-        True
-        """
+        """Returns all bodies, masks and pairs as bytes, for `load`."""
         return self._tree.save()
 
     def load(self, data: Any) -> None:

@@ -9,7 +9,7 @@ from typing import Any, Callable, Iterable, Iterator, Optional, Tuple, Type, Uni
 
 import numpy as np
 
-from . import _arrays, _files, _halfspace
+from . import _arrays, _halfspace
 from ._searches import Progress, Searches
 
 Path = Union[str, "os.PathLike[str]"]
@@ -54,14 +54,6 @@ class BVH(Searches):
     float64 boxes. All other searches, and `within`, use the rounded boxes. An exact
     tree takes 8 more bytes for each value of a box. It can be pickled, but it has no
     `blob` and no file.
-
-    >>> import numpy as np, halfspace as hs
-    >>> a = np.array([[0, 0, 1, 1], [2, 2, 3, 3]], float)
-    >>> b = np.array([[1, 1, 2 - 1e-12, 2 - 1e-12]])
-    >>> sorted(hs.BVH(a).query(b)[1].tolist())
-    [0, 1]
-    >>> hs.BVH(a, exact=True).query(b)[1]
-    array([0])
 
     A NaN, or a box with min > max, raises ValueError. The exception is the empty
     box, with minima of inf and maxima of -inf: only a query without limits can
@@ -141,15 +133,6 @@ class BVH(Searches):
         The tree has the given quality if all boxes fit into one run, and otherwise it is
         "fast". The call uses one thread. Ctrl-C ends it between two chunks, but not while
         it sorts after the last one. Raises OSError if a file cannot be written.
-
-        >>> import numpy as np, halfspace as hs, tempfile, os
-        >>> def chunks():
-        ...     for seed in range(10):
-        ...         low = np.random.default_rng(seed).random((1000, 2))
-        ...         yield np.hstack([low, low + 0.01])
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     len(hs.BVH.from_chunks(os.path.join(folder, "boxes.bvh"), chunks()))
-        10000
         """
         if isinstance(chunks, np.ndarray):
             raise TypeError("chunks: expected a list or an iterator of arrays, got one array")
@@ -187,9 +170,12 @@ class BVH(Searches):
         a change computes a checksum. It has the masks. Raises TypeError for an
         exact tree, whose float64 boxes are not stored either.
         """
+        self._check_is_not_exact()
+        return self._blob()
+
+    def _check_is_not_exact(self) -> None:
         if self._tree.is_exact:
             raise TypeError("expected a tree that is not exact: pickle an exact one")
-        return self._blob()
 
     def _blob(self) -> memoryview:
         blob: Any = self._tree.blob()  # a buffer
@@ -202,8 +188,8 @@ class BVH(Searches):
         leaves an older file as it was. Raises OSError if `path` is something other
         than a regular file, such as a device.
         """
-        with self.blob() as blob:
-            _files.replace(os.fsdecode(path), lambda file: file.write(blob))
+        self._check_is_not_exact()
+        self._tree.save(os.fsencode(path))
 
     def __reduce_ex__(self, protocol: Any) -> Tuple[Any, ...]:
         # Out of band if the pickler has a buffer_callback, and in band if not.
@@ -212,16 +198,14 @@ class BVH(Searches):
         doubles = (self._tree.doubles(),) if self._tree.is_exact else ()
         return _unpickle, (type(self), data, *doubles), getattr(self, "__dict__", None)
 
-    def _query(
-        self, table: _arrays.Table, mask: int, threads: int, progress: Optional[Progress]
-    ) -> np.ndarray:
+    def _query(self, table: _arrays.Table, how: _arrays.How) -> np.ndarray:
         if (
             table.length >= 4096
             and table.columns == 2 * self.dims
-            and self._is_join_faster(table, mask)
+            and self._is_join_faster(table, how[0])
         ):
-            return self._tree.query_by_join(table.arrays, mask, threads, progress)
-        return super()._query(table, mask, threads, progress)
+            return self._tree.query_by_join(table.arrays, how)
+        return super()._query(table, how)
 
     def _is_join_faster(self, table: _arrays.Table, mask: int) -> bool:
         # As measured with 10^3 to 10^6 objects and 10^4 to 10^6 queries. With fewer
@@ -237,7 +221,7 @@ class BVH(Searches):
         sample = tuple(a[: 64 * step : step] for a in table.arrays)
         # In a large tree, queries in turn also miss the cache.
         many_results = 64 * (8 if size < 2**18 else 16)
-        return bool(self._tree.count(sample, mask, 1, None).sum() < many_results)
+        return bool(self._tree.count(sample, (mask, 1, None)).sum() < many_results)
 
     def query_batches(
         self,
@@ -257,22 +241,22 @@ class BVH(Searches):
         """
         table = self._boxes(boxes)
         most = _arrays.positive(max_results, "max_results")
-        return self._batches(table, most, _arrays.mask(mask), _arrays.threads(threads))
+        return self._batches(table, most, _arrays.how(mask, threads, None))
 
     def _batches(
-        self, table: _arrays.Table, most: int, mask: int, threads: int
+        self, table: _arrays.Table, most: int, how: _arrays.How
     ) -> Iterator[np.ndarray]:
         changes = self._tree.changes
         step = 1 << 16  # boxes that are counted at a time
         for first in range(0, table.length, step):
             block = table.rows(first, min(first + step, table.length))
-            counts = self._tree.count(block.arrays, mask, threads, None)
+            counts = self._tree.count(block.arrays, how)
             ends = np.cumsum(counts, dtype=np.int64)
             begin, found = 0, 0
             while begin < block.length:
                 # As many rows as have at most so many results, or one.
                 end = int(np.searchsorted(ends, found + most, "right"))
-                for batch in self._batch(block, begin, end, most, mask, threads):
+                for batch in self._batch(block, begin, end, most, how):
                     self._check_unchanged(changes)
                     batch[0] += first
                     yield batch
@@ -286,16 +270,10 @@ class BVH(Searches):
             raise RuntimeError("the tree changed during query_batches")
 
     def _batch(
-        self,
-        block: _arrays.Table,
-        begin: int,
-        end: int,
-        most: int,
-        mask: int,
-        threads: int,
+        self, block: _arrays.Table, begin: int, end: int, most: int, how: _arrays.How
     ) -> Iterator[np.ndarray]:
         if end > begin:
-            batch = self._query(block.rows(begin, end), mask, threads, None)
+            batch = self._query(block.rows(begin, end), how)
             batch[0] += begin
             if batch.shape[1]:
                 yield batch
@@ -303,7 +281,7 @@ class BVH(Searches):
         arrays = block.rows(begin, begin + 1).arrays
         skip, total = 0, 1
         while skip < total:
-            ids, total = self._tree.query_some(arrays, mask, skip, most)
+            ids, total = self._tree.query_some(arrays, how[0], skip, most)
             skip += most
             if len(ids):
                 yield np.stack([np.full(len(ids), begin, np.int64), ids])
@@ -332,33 +310,13 @@ class BVH(Searches):
         passes between two triangles that share an edge. A triangle without an area,
         or in whose plane the ray lies, is not hit. `t` is within one float32 of the
         exact value.
-
-        >>> import numpy as np, halfspace as hs
-        >>> vertices = np.array([[0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 3]])
-        >>> faces = [[0, 1, 2], [1, 3, 2]]
-        >>> tree = hs.BVH(hs.bounds_of_triangles(vertices, faces))
-        >>> tree.raycast([0.75, 0.75, 0], [0, 0, 1], triangles=vertices[faces])
-        (1, 2.0)
         """
-        if triangles is None:
-            return super().raycast(
-                origins,
-                directions,
-                max_t,
-                all_hits=all_hits,
-                mask=mask,
-                threads=threads,
-                progress=progress,
-            )
-        its_triangles = self._triangles(triangles)
-        starts = _arrays.points(origins, "origins", 3)
-        rays, _, single = _arrays.casts(starts, "origins", directions, max_t, 3)
-        ids, t = self._tree.cast_to_triangles(
-            rays, its_triangles, bool(all_hits), *_arrays.how(mask, threads, progress)
+        its_triangles = None if triangles is None else self._triangles(triangles)
+        starts = _arrays.points(origins, "origins", self.dims)
+        how = _arrays.how(mask, threads, progress)
+        return self._cast(
+            starts, "origins", directions, max_t, all_hits, how, its_triangles
         )
-        if all_hits:
-            return (ids[1] if single else ids), t
-        return (int(ids[0, 0]), float(t[0, 0])) if single else (ids[:, 0], t[:, 0])
 
     def closest_point(
         self,
@@ -380,12 +338,6 @@ class BVH(Searches):
         triangles at the same distance, the one with the least id. If none is within
         `max_distance`, they are -1, inf and NaN. Distances are computed in float64 and
         rounded.
-
-        >>> import halfspace as hs
-        >>> triangles = [[[0, 0, 0], [4, 0, 0], [0, 4, 0]]]
-        >>> tree = hs.BVH([[0, 0, 0, 4, 4, 0]])
-        >>> tree.closest_point([1, 1, 2], triangles)
-        (0, 2.0, array([1., 1., 0.], dtype=float32))
         """
         its_triangles = self._triangles(triangles)
         table = _arrays.points(points, "points", 3)
@@ -393,7 +345,7 @@ class BVH(Searches):
             _arrays.floats(table.arrays),
             its_triangles,
             _arrays.round_up(_arrays.not_negative(max_distance, "max_distance")),
-            *_arrays.how(mask, threads, progress),
+            _arrays.how(mask, threads, progress),
         )
         if table.single:
             return int(ids[0, 0]), float(distances[0, 0]), closest[0]
@@ -423,7 +375,7 @@ class BVH(Searches):
         equal calls return the same order.
         """
         how = _arrays.how(mask, threads, progress)
-        return self._tree.pairs(None, _arrays.margin(margin), *how)
+        return self._tree.pairs(None, _arrays.margin(margin), how)
 
     def insert(self, boxes: Any) -> Union[np.ndarray, int]:
         """Adds objects and returns their ids.
@@ -441,12 +393,6 @@ class BVH(Searches):
         Raises ValueError, and changes nothing, if an object has such an id, or if
         an id is in `ids` twice. Memory grows with the greatest id, by about 4
         bytes for each.
-
-        >>> import halfspace as hs
-        >>> tree = hs.BVH([[0, 0, 1, 1]])
-        >>> tree.insert_as([7], [[2, 2, 3, 3]])
-        >>> tree.query([2, 2, 3, 3])
-        array([7])
         """
         self._tree.insert_as(*self._rows(ids, boxes))
 
@@ -528,12 +474,6 @@ class BVH(Searches):
         that need the blocks of two trees, also for a `join` in a block, take them
         in the same order. A process that is forked by another thread during a
         block cannot use the tree: its calls would wait forever.
-
-        >>> import halfspace as hs
-        >>> tree = hs.BVH([[0, 0, 1, 1], [2, 2, 3, 3]])
-        >>> with tree.changing():
-        ...     tree.erase(0)
-        ...     tree.refit([5, 5, 6, 6], 1)
         """
         return self._tree.changing()
 
@@ -609,7 +549,7 @@ def join(
             f"b: expected a BVH of {a.dims} dimensions, as a, got {b.dims} dimensions"
         )
     how = _arrays.how(mask, threads, progress)
-    return a._tree.pairs(b._tree, _arrays.margin(margin), *how)
+    return a._tree.pairs(b._tree, _arrays.margin(margin), how)
 
 
 def _is_fast(quality: Any) -> bool:

@@ -81,7 +81,7 @@ class Searches:
         else:
             table = _arrays.boxes(boxes, "boxes", self.dims)
             table = _arrays.rounded_boxes(table, within)
-        return self._query(table, *_arrays.how(mask, threads, progress))
+        return self._query(table, _arrays.how(mask, threads, progress))
 
     def query_sphere(
         self,
@@ -99,12 +99,10 @@ class Searches:
         `query`.
         """
         spheres = _arrays.spheres(centers, radii, self.dims)
-        return self._query(spheres, *_arrays.how(mask, threads, progress))
+        return self._query(spheres, _arrays.how(mask, threads, progress))
 
-    def _query(
-        self, table: _arrays.Table, mask: int, threads: int, progress: Optional[Progress]
-    ) -> np.ndarray:
-        found = self._tree.query(table.arrays, mask, threads, progress)
+    def _query(self, table: _arrays.Table, how: _arrays.How) -> np.ndarray:
+        found = self._tree.query(table.arrays, how)
         return found[1] if table.single else found
 
     def count(
@@ -125,7 +123,7 @@ class Searches:
             if count is not None:
                 return count
         table = self._boxes(boxes)
-        counts = self._tree.count(table.arrays, *_arrays.how(mask, threads, progress))
+        counts = self._tree.count(table.arrays, _arrays.how(mask, threads, progress))
         return int(counts[0, 0]) if table.single else counts[:, 0].astype(np.int64)
 
     def any(
@@ -148,7 +146,7 @@ class Searches:
         if self._tree.is_exact:
             return self.count(boxes, mask=mask, threads=threads, progress=progress) > 0
         table = self._boxes(boxes)
-        ids = self._tree.any(table.arrays, *_arrays.how(mask, threads, progress))
+        ids = self._tree.any(table.arrays, _arrays.how(mask, threads, progress))
         if table.single:
             return int(ids[0, 0]) != _arrays.NO_ID
         return ids[:, 0] != _arrays.NO_ID
@@ -218,7 +216,7 @@ class Searches:
             _arrays.round_up(_arrays.not_negative(max_distance, "max_distance")),
             bool(exclusive),
             bool(all_ties),
-            *_arrays.how(mask, threads, progress),
+            _arrays.how(mask, threads, progress),
         )
         if not table.single:
             return ids, distances
@@ -279,9 +277,8 @@ class Searches:
         (array([0, 1]), array([1., 4.], dtype=float32))
         """
         starts = _arrays.points(origins, "origins", self.dims)
-        return self._cast(
-            starts, "origins", directions, max_t, all_hits, mask, threads, progress
-        )
+        how = _arrays.how(mask, threads, progress)
+        return self._cast(starts, "origins", directions, max_t, all_hits, how)
 
     def boxcast(
         self,
@@ -298,17 +295,10 @@ class Searches:
 
         A box moves by t times its direction. float64 boxes are enclosed. The
         rest is as in `raycast`.
-
-        >>> import halfspace as hs
-        >>> tree = hs.BVH([[5, 1, 6, 2], [8, 0, 9, 1]])
-        >>> id, t = tree.boxcast([0, 0, 1, 1.5], [1, 0])
-        >>> id, round(t, 4)
-        (0, 4.0)
         """
         starts = _arrays.boxes(boxes, "boxes", self.dims)
-        return self._cast(
-            starts, "boxes", directions, max_t, all_hits, mask, threads, progress
-        )
+        how = _arrays.how(mask, threads, progress)
+        return self._cast(starts, "boxes", directions, max_t, all_hits, how)
 
     def spherecast(
         self,
@@ -329,9 +319,8 @@ class Searches:
         `boxcast`.
         """
         starts = _arrays.spheres(centers, radii, self.dims)
-        return self._cast(
-            starts, "centers", directions, max_t, all_hits, mask, threads, progress
-        )
+        how = _arrays.how(mask, threads, progress)
+        return self._cast(starts, "centers", directions, max_t, all_hits, how)
 
     def _cast(
         self,
@@ -340,15 +329,15 @@ class Searches:
         directions: Any,
         max_t: Any,
         all_hits: bool,
-        mask: Optional[int],
-        threads: Optional[int],
-        progress: Optional[Progress],
+        how: _arrays.How,
+        triangles: Optional[_arrays.Arrays] = None,
     ) -> Tuple[Any, Any]:
+        """Casts to boxes, or rays to triangles."""
         arrays, motions, single = _arrays.casts(
             starts, name, directions, max_t, self.dims
         )
-        how = _arrays.how(mask, threads, progress)
-        ids, t = self._tree.cast(arrays, motions, bool(all_hits), *how)
+        cast = self._tree.cast if triangles is None else self._tree.cast_to_triangles
+        ids, t = cast(arrays, triangles or motions, bool(all_hits), how)
         if all_hits:
             return (ids[1] if single else ids), t
         return (int(ids[0, 0]), float(t[0, 0])) if single else (ids[:, 0], t[:, 0])

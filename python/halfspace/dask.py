@@ -69,7 +69,7 @@ from dask.delayed import Delayed
 from dask.highlevelgraph import HighLevelGraph
 
 import halfspace as hs
-from halfspace import _arrays, _files
+from halfspace import _arrays
 
 __all__ = ["BVH", "join", "join_batches", "scan", "scan_batches"]
 
@@ -360,6 +360,10 @@ class _Partition:
     rows: np.ndarray  # of the objects, by id of the tree
     mapped: bool = False
 
+    def __sizeof__(self):
+        # Dask writes what fills the memory to disk. A mapped tree is there already.
+        return self.rows.nbytes + (0 if self.mapped else self.tree.nbytes)
+
     def __reduce__(self):
         # A copy of a mapped tree is in memory.
         return _Partition, (self.tree, self.rows)
@@ -391,6 +395,12 @@ class _Routed:
     partitions: np.ndarray  # ascending
     begins: np.ndarray  # of each group, and the end
 
+    def __len__(self):
+        return len(self.data)
+
+    def __sizeof__(self):
+        return self.data.nbytes + self.rows.nbytes
+
     @staticmethod
     def to(partitions, rows, data, first) -> _Routed:
         # NumPy sorts numbers of 16 bits five times as fast as of 64.
@@ -417,20 +427,8 @@ def _size_of_tree(tree: hs.BVH) -> int:
     return tree.nbytes
 
 
-@dask.sizeof.sizeof.register(_Partition)
-def _size_of_partition(partition: _Partition) -> int:
-    # Dask writes what fills the memory to disk. A mapped tree is there already.
-    tree = 0 if partition.mapped else partition.tree.nbytes
-    return tree + partition.rows.nbytes
-
-
-@dask.sizeof.sizeof.register(_Routed)
-def _size_of_routed(routed: _Routed) -> int:
-    return int(routed.data.nbytes + routed.rows.nbytes)
-
-
 def _about_routed(routed: _Routed):
-    return len(routed.data), routed.partitions
+    return len(routed), routed.partitions
 
 
 def _piece(routed: _Routed, partition: int, offset: int = 0):
@@ -466,10 +464,6 @@ def _sum_up(lengths: typing.Iterable) -> list:
 def _offsets(lengths: list) -> list:
     """What makes (chunk << _BITS) + row the row of the whole collection."""
     return [first - (chunk << _BITS) for chunk, first in enumerate(_sum_up(lengths)[:-1])]
-
-
-def _length(routed: _Routed) -> int:
-    return len(routed.data)
 
 
 def _divisions(source: _Source):
@@ -528,8 +522,10 @@ def _build(pieces, mapped: bool) -> _Partition:
     rows = np.concatenate([rows for _, rows in pieces])
     try:
         tree = hs.BVH(boxes)
-    except ValueError as error:
-        raise _error_of_row(boxes, rows) or error from None
+    except ValueError:
+        for box, row in zip(boxes, rows):  # by its row in the source, not in its partition
+            _arrays.boxes(box, f"row {row} of boxes")
+        raise
     if mapped:
         try:
             directory = distributed.get_worker().local_directory
@@ -541,16 +537,6 @@ def _build(pieces, mapped: bool) -> _Partition:
                 file.write(tree.blob())
             tree = hs.BVH.map(path)  # keeps the file's content
     return _Partition(tree, rows, mapped)
-
-
-def _error_of_row(boxes, rows) -> ValueError | None:
-    """The error of one box, by its row in the source and not in its partition."""
-    for box, row in zip(boxes, rows):
-        try:
-            _arrays.boxes(box, f"row {row} of boxes")
-        except ValueError as error:
-            return error
-    return None
 
 
 def _whole(results: list) -> hs.BVH:
@@ -675,7 +661,10 @@ def _write_pairs(pairs_in, partition: _Partition, piece, prefix: str, most: int,
     for pairs, begin, _ in _batches(pairs_in, partition, piece, most, ranges):
         path = f"{prefix}-{begin:09}.npy"
         pairs = np.ascontiguousarray(pairs)  # which NumPy writes in one piece
-        _files.replace(path, lambda file: np.save(file, pairs), is_synced=False)
+        temporary = f"{path}.{uuid.uuid4().hex}.tmp"
+        with open(temporary, "wb") as file:
+            np.save(file, pairs)
+        os.replace(temporary, path)
         paths.append(path)
     return paths, []
 
@@ -1192,7 +1181,7 @@ class BVH(_Lazy, dask.base.DaskMethodsMixin):
     def _frame_by_row(self, tasks: _Tasks, source: _Source, items: list, frame_of,
                       columns: dict, *arguments):
         """The frame of one search of each chunk, or of two."""
-        lengths = [(_length, its[0]) for its in items]
+        lengths = [(len, its[0]) for its in items]
         found: list = [sum(its[1::2], []) for its in items]
         frames = tasks.frames_of_chunks(source, lengths, frame_of, found, *arguments)
         return tasks.frame([self, *source.collections], frames, columns, "row",
@@ -1316,7 +1305,7 @@ def scan(boxes, queries, *, quantized: bool = False):
     its_queries = f"{tasks.name}-queries"
     tasks[its_queries] = queries
     found = tasks.each_chunk(source, _scan, its_queries, quantized)
-    lengths = [(_scanned_rows, key) for key in found]
+    lengths = [(operator.getitem, key, 2) for key in found]
     frames = tasks.frames_of_chunks(source, lengths, _frame_of_scan, found)
     return tasks.frame(source.collections, frames, {"row": np.int64, "id": np.int64})
 
@@ -1343,10 +1332,6 @@ def _scan(boxes, first: int, where: str, queries, quantized: bool):
     rows, ids = _in_chunk(
         where, lambda: hs.Scan(boxes, quantized=quantized).query(queries))
     return rows, ids + first, len(boxes)
-
-
-def _scanned_rows(found: tuple) -> int:
-    return found[2]
 
 
 def _frame_of_scan(found: tuple, offset: int):

@@ -23,17 +23,9 @@ from ._bvh import BVH
 
 __all__ = ["STRtree", "sjoin", "sjoin_nearest"]
 
-_PREDICATES = (
-    "intersects",
-    "within",
-    "contains",
-    "overlaps",
-    "crosses",
-    "touches",
-    "covers",
-    "covered_by",
-    "contains_properly",
-    "dwithin",
+_PREDICATES = tuple(
+    "intersects within contains overlaps crosses touches covers covered_by contains_properly "
+    "dwithin".split()
 )
 _IS_VECTORISED = hasattr(shapely, "STRtree") and hasattr(shapely, "bounds")
 
@@ -467,14 +459,11 @@ def _limits(distance: Any, count: int) -> np.ndarray:
     if distance is None:
         raise ValueError('distance: expected a number, as "dwithin" needs one')
     try:
-        limits = np.asarray(distance, np.float64)
-    except (TypeError, ValueError):
-        raise ValueError(f"distance: expected numbers, got {distance!r}") from None
-    if limits.ndim > 1:
-        raise ValueError(f"distance: expected one dimension, got {limits.ndim}")
-    if limits.ndim == 1 and len(limits) not in (1, count):
-        raise ValueError(f"distance: expected {count} numbers, got {len(limits)}")
-    return np.broadcast_to(limits, (count,))
+        return np.broadcast_to(np.asarray(distance, np.float64), (count,))
+    except (TypeError, ValueError) as error:
+        raise ValueError(
+            f"distance: expected a number, or {count} numbers, got {distance!r}: {error}"
+        ) from None
 
 
 def _max_distance(value: Any) -> float:

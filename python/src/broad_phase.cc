@@ -93,12 +93,13 @@ std::size_t Length(const ShortIds& ids) {
   return static_cast<std::size_t>(ids.size());
 }
 
-// The masks of `count` bodies, or null if there are no masks.
+// The masks of `count` bodies.
 const hs_body_masks* MasksIn(const Masks& masks, std::size_t count) {
   static_assert(sizeof(hs_body_masks) == 2 * sizeof(std::uint32_t));
-  if (masks.ndim() != 2 || masks.shape(1) != 2) ThrowNotPrepared();
-  if (masks.shape(0) == 0) return nullptr;
-  if (masks.shape(0) != Size(count)) ThrowNotPrepared();
+  if (masks.ndim() != 2 || masks.shape(0) != Size(count) ||
+      masks.shape(1) != 2) {
+    ThrowNotPrepared();
+  }
   return reinterpret_cast<const hs_body_masks*>(masks.data());
 }
 
@@ -129,8 +130,8 @@ std::unique_ptr<Bodies> Copy(const Bodies& bodies) {
 void Insert(const Bodies& bodies, const ShortIds& ids, const py::tuple& arrays,
             const Masks& masks) {
   const Columns bounds = BoundsOf(ids, arrays);
-  const hs_body_masks* const its_masks = MasksIn(masks, bounds.count);
-  Call(&hs_broad_phase_insert, bodies.get(), ids.data(), &bounds, its_masks);
+  Call(&hs_broad_phase_insert, bodies.get(), ids.data(), &bounds,
+       MasksIn(masks, bounds.count));
 }
 
 void Move(const Bodies& bodies, const ShortIds& ids, const py::tuple& arrays) {
@@ -139,9 +140,8 @@ void Move(const Bodies& bodies, const ShortIds& ids, const py::tuple& arrays) {
 }
 
 void SetMasks(const Bodies& bodies, const ShortIds& ids, const Masks& masks) {
-  const hs_body_masks* const its_masks = MasksIn(masks, Length(ids));
-  Call(&hs_broad_phase_set_masks, bodies.get(), ids.data(), its_masks,
-       its_masks == nullptr ? 0 : Length(ids));
+  Call(&hs_broad_phase_set_masks, bodies.get(), ids.data(),
+       MasksIn(masks, Length(ids)), Length(ids));
 }
 
 // With the lock of the pairs.

@@ -116,12 +116,11 @@ struct Searches {
 
   // Queries of bounds, of spheres, or of boxes with a distance.
   static Ids Query(World& world, const pybind11::tuple& arrays,
-                   std::uint32_t mask, std::size_t threads,
-                   pybind11::object progress) {
-    Work work(threads, std::move(progress));
+                   const pybind11::tuple& how) {
+    Work work = WorkOf(how);
     const Reading reading(world);
     const Columns queries = BoxesIn(world, arrays, work);
-    hs_query_options options = OptionsOf(mask);
+    hs_query_options options = OptionsOf(MaskOf(how));
     if (queries.size == world.dims + 1) options.shape = HS_SHAPE_SPHERE;
     if (queries.size == 2 * world.dims + 1) {
       options.shape = HS_SHAPE_ROUNDED_BOX;
@@ -144,18 +143,24 @@ struct Searches {
                      });
   }
 
-  static pybind11::array Count(World& world, const pybind11::tuple& arrays,
-                               std::uint32_t mask, std::size_t threads,
-                               pybind11::object progress) {
-    const hs_query_options options = OptionsOf(mask);
-    Work work(threads, std::move(progress));
+  // The numbers of objects, or by floats an id or HS_NO_ID for each.
+  template <auto kFunction>
+  static pybind11::array Ask(World& world, const pybind11::tuple& arrays,
+                             const pybind11::tuple& how) {
+    const hs_query_options options = OptionsOf(MaskOf(how));
+    Work work = WorkOf(how);
     const Reading reading(world);
     const Columns queries = BoxesIn(world, arrays, work);
-    if (!world.is_exact) {
-      return AskEach(world.get(), Its::kCount, queries, kPartQueries, work,
-                     &options);
-    }
-    const auto find = FinderIn(world, options);
+    return AskEach(world.get(), kFunction, queries, kPartQueries, work,
+                   &options);
+  }
+  static pybind11::array Count(World& world, const pybind11::tuple& arrays,
+                               const pybind11::tuple& how) {
+    if (!world.is_exact) return Ask<Its::kCount>(world, arrays, how);
+    Work work = WorkOf(how);
+    const Reading reading(world);
+    const Columns queries = BoxesIn(world, arrays, work);
+    const auto find = FinderIn(world, OptionsOf(MaskOf(how)));
     return FindEach<std::size_t>(
         queries, 1, kPartQueries, work,
         [&](const hs_columns& some, std::size_t, std::size_t* counts) {
@@ -169,18 +174,6 @@ struct Searches {
             counts[i] = offsets[i + 1] - offsets[i];
           }
         });
-  }
-
-  // An id or HS_NO_ID for each, by floats.
-  static pybind11::array Any(World& world, const pybind11::tuple& arrays,
-                             std::uint32_t mask, std::size_t threads,
-                             pybind11::object progress) {
-    const hs_query_options options = OptionsOf(mask);
-    Work work(threads, std::move(progress));
-    const Reading reading(world);
-    const Columns queries = BoxesIn(world, arrays, work);
-    return AskEach(world.get(), Its::kAny, queries, kPartQueries, work,
-                   &options);
   }
 
   // The same of the box of a plain array, as QueryOne().
@@ -204,11 +197,10 @@ struct Searches {
   static pybind11::tuple Nearest(World& world, const pybind11::tuple& arrays,
                                  std::size_t k, float max_distance,
                                  bool is_exclusive, bool with_ties,
-                                 std::uint32_t mask, std::size_t threads,
-                                 pybind11::object progress) {
-    hs_query_options options = OptionsOf(mask);
+                                 const pybind11::tuple& how) {
+    hs_query_options options = OptionsOf(MaskOf(how));
     options.exclusive = is_exclusive ? 1 : 0;
-    Work work(threads, std::move(progress));
+    Work work = WorkOf(how);
     const Reading reading(world);
     const Columns queries = QueriesIn(world, arrays, work);
     const auto search = [&](const hs_columns& some, std::size_t room,
@@ -250,14 +242,13 @@ struct Searches {
   // that move. `ways` are the directions and the limits. Rays have them too.
   static pybind11::tuple Cast(World& world, const pybind11::tuple& its_starts,
                               const pybind11::tuple& its_ways, bool finds_all,
-                              std::uint32_t mask, std::size_t threads,
-                              pybind11::object progress) {
-    Work work(threads, std::move(progress));
+                              const pybind11::tuple& how) {
+    Work work = WorkOf(how);
     const Reading reading(world);
     const Columns starts = QueriesIn(world, its_starts, work);
     Columns ways(its_ways);
     if (starts.count != ways.count) ThrowNotPrepared();
-    const hs_query_options options = OptionsOf(mask);
+    const hs_query_options options = OptionsOf(MaskOf(how));
     const bool are_rays = starts.size == 2 * world.dims + 1;
     if (!are_rays) ways.order = starts.order;
     const bool are_boxes = starts.size == 2 * world.dims;
@@ -340,7 +331,7 @@ struct Searches {
         .def("query_one", &QueryOne)
         .def("count", &Count)
         .def("count_one", &AskOne<Its::kCount, std::size_t>)
-        .def("any", &Any)
+        .def("any", &Ask<Its::kAny>)
         .def("any_one", &AskOne<Its::kAny, std::uint32_t>)
         .def("nearest", &Nearest)
         .def("cast", &Cast)

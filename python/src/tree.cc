@@ -30,6 +30,7 @@ constexpr std::size_t kPartLeaves = 16;
 
 using Bvh = std::unique_ptr<hs_bvh, Destroy<&hs_bvh_destroy>>;
 
+// Writes record i as doubles.
 void ReadRow(const hs_columns& columns, std::size_t i, std::size_t size,
              double* row) {
   for (std::size_t v = 0; v < size; ++v) {
@@ -40,13 +41,12 @@ void ReadRow(const hs_columns& columns, std::size_t i, std::size_t size,
   }
 }
 
-template <std::size_t kDims>
-bool AreNear(const double* a, const double* b, double margin) {
-  bool are_near = true;
-  for (std::size_t k = 0; k < kDims; ++k) {
-    are_near &= a[k] <= b[kDims + k] + margin && b[k] <= a[kDims + k] + margin;
+// Writes all records, one after another, or each at the place of its id.
+void ReadRows(const Columns& boxes, const std::uint32_t* ids, double* rows) {
+  for (std::size_t i = 0; i < boxes.count; ++i) {
+    ReadRow(boxes, i, boxes.size,
+            rows + boxes.size * (ids == nullptr ? i : ids[i]));
   }
-  return are_near;
 }
 
 // Boxes of kDims axes by id. An altered blob has any ids.
@@ -57,6 +57,17 @@ struct Rows {
   const double* Find(std::uint32_t id) const {
     const std::size_t first = 2 * kDims * id;
     return first < values.size() ? values.data() + first : nullptr;
+  }
+  // Whether the object is there, at most `margin` from a box on each axis.
+  bool IsNear(std::uint32_t id, const double* box, double margin) const {
+    const double* const row = Find(id);
+    if (row == nullptr) return false;
+    bool is_near = true;
+    for (std::size_t k = 0; k < kDims; ++k) {
+      is_near &= row[k] <= box[kDims + k] + margin &&
+                 box[k] <= row[kDims + k] + margin;
+    }
+    return is_near;
   }
   // Without it, most of the time is spent waiting for memory.
   void Prefetch([[maybe_unused]] std::uint32_t id) const {
@@ -86,12 +97,8 @@ std::size_t KeepNear(std::span<const double> of_a, std::span<const double> of_b,
       b.Prefetch(pairs[i + kAhead].b);
     }
     const double* const one = a.Find(pairs[i].a);
-    const double* const other = b.Find(pairs[i].b);
     pairs[kept] = pairs[i];
-    kept +=
-        one != nullptr && other != nullptr && AreNear<kDims>(one, other, margin)
-            ? 1
-            : 0;
+    kept += one != nullptr && b.IsNear(pairs[i].b, one, margin) ? 1 : 0;
   }
   return kept;
 }
@@ -115,9 +122,8 @@ std::size_t KeepResults(std::span<const double> objects,
     ReadRow(queries, q, 2 * kDims, box.data());
     for (const std::size_t end = offsets[q + 1]; i < end; ++i) {
       if (i + kAhead < ids.size()) rows.Prefetch(ids[i + kAhead]);
-      const double* const row = rows.Find(ids[i]);
       ids[kept] = ids[i];
-      kept += row != nullptr && AreNear<kDims>(row, box.data(), 0) ? 1 : 0;
+      kept += rows.IsNear(ids[kept], box.data(), 0) ? 1 : 0;
     }
     offsets[q + 1] = kept;
   }
@@ -172,11 +178,8 @@ struct Tree {
     doubles.resize(2 * dims * limit);
   }
   // Stores the boxes of some objects, or without ids of all.
-  void Store(const std::uint32_t* ids, const hs_columns& boxes) {
-    for (std::size_t i = 0; i < boxes.count && is_exact; ++i) {
-      const std::size_t id = ids == nullptr ? i : ids[i];
-      ReadRow(boxes, i, 2 * dims, doubles.data() + 2 * dims * id);
-    }
+  void Store(const std::uint32_t* ids, const Columns& boxes) {
+    if (is_exact) ReadRows(boxes, ids, doubles.data());
   }
 
   bool IsReadBy(unsigned long thread) const {
@@ -363,9 +366,10 @@ std::size_t Ask(Tree& tree) {
   return size;
 }
 
-hs_bvh_config ConfigOf(std::size_t dims) {
+hs_bvh_config ConfigOf(std::size_t dims, bool is_fast = false) {
   hs_bvh_config config = DefaultOf(&hs_bvh_config_default);
   config.kind = dims == 2 ? HS_BOX2 : HS_BOX3;
+  config.quality = is_fast ? HS_QUALITY_FAST : HS_QUALITY_HIGH;
   return config;
 }
 
@@ -376,8 +380,7 @@ Bvh Build(const Columns& boxes, bool is_fast, Work& work,
   // centers and a copy.
   Threads threads{work, (is_double ? 1u : 0u) + (is_fast ? 2u : 9u),
                   progress_end, boxes.count};
-  hs_bvh_config config = ConfigOf(boxes.size == 4 ? 2 : 3);
-  config.quality = is_fast ? HS_QUALITY_FAST : HS_QUALITY_HIGH;
+  hs_bvh_config config = ConfigOf(boxes.size / 2, is_fast);
   config.run = &Threads::Run;
   config.run_context = &threads;
   hs_bvh* bvh = nullptr;
@@ -391,7 +394,7 @@ std::unique_ptr<Tree> MakeTree(const py::tuple& arrays, bool is_fast,
   const Columns boxes(arrays);
   Work work(threads, std::move(progress));
   auto tree = std::make_unique<Tree>();
-  tree->dims = boxes.size == 4 ? 2 : 3;
+  tree->dims = boxes.size / 2;
   const py::gil_scoped_release release;
   tree->bvh = Build(boxes, is_fast, work, boxes.count);
   tree->is_exact = is_exact;
@@ -405,48 +408,59 @@ std::unique_ptr<Tree> MakeTree(const py::tuple& arrays, bool is_fast,
   return tree;
 }
 
+// A path as a string of C.
+const char* PathOf(const std::string& path) {
+  if (path.find('\0') != std::string::npos) {
+    throw std::invalid_argument("path: embedded null byte");
+  }
+  return path.c_str();
+}
+
+// Calls a function of C that reads or writes files.
+template <typename Call>
+void CallFile(const Call& call) {
+  hs_status status = HS_OK;
+  {
+    const py::gil_scoped_release release;
+    status = call();
+  }
+  if (status == HS_IO_ERROR) {
+    PyErr_SetString(PyExc_OSError, hs_last_error_reason());
+    throw py::error_already_set();
+  }
+  Check(status);
+}
+
+void Save(Tree& tree, const std::string& path) {
+  const Reading reading(tree);
+  CallFile([&] { return hs_bvh_save(tree.get(), PathOf(path)); });
+}
+
 // Writes a tree of chunks of boxes to a file. Calls must come one after
 // another.
 class FileBuilder {
  public:
   FileBuilder(const std::string& path, std::size_t dims, bool is_fast,
               std::size_t memory) {
-    if (path.find('\0') != std::string::npos) {
-      throw std::invalid_argument("path: embedded null byte");
-    }
-    hs_bvh_config config = ConfigOf(dims);
-    config.quality = is_fast ? HS_QUALITY_FAST : HS_QUALITY_HIGH;
+    const hs_bvh_config config = ConfigOf(dims, is_fast);
     hs_builder* builder = nullptr;
-    CheckFile(hs_builder_create_file(&config, path.c_str(), memory, &builder));
+    CallFile([&] {
+      return hs_builder_create_file(&config, PathOf(path), memory, &builder);
+    });
     builder_.reset(builder);
   }
 
   void Push(const py::tuple& arrays) {
     const Columns boxes(arrays);
-    CheckFile(
-        WithoutLock([&] { return hs_builder_push(builder_.get(), &boxes); }));
+    CallFile([&] { return hs_builder_push(builder_.get(), &boxes); });
   }
   void Finish() {
     hs_bvh* bvh = nullptr;
-    CheckFile(
-        WithoutLock([&] { return hs_builder_finish(builder_.get(), &bvh); }));
+    CallFile([&] { return hs_builder_finish(builder_.get(), &bvh); });
     hs_bvh_destroy(bvh);
   }
 
  private:
-  template <typename Call>
-  static hs_status WithoutLock(const Call& call) {
-    const py::gil_scoped_release release;
-    return call();
-  }
-  static void CheckFile(hs_status status) {
-    if (status == HS_IO_ERROR) {
-      PyErr_SetString(PyExc_OSError, hs_last_error_reason());
-      throw py::error_already_set();
-    }
-    Check(status);
-  }
-
   std::unique_ptr<hs_builder, Destroy<&hs_builder_destroy>> builder_;
 };
 
@@ -543,22 +557,6 @@ auto KeeperOf(std::span<const double> a, std::span<const double> b,
   };
 }
 
-// The boxes one after another, in place if they are so.
-std::span<const double> RowsOfDoubles(const Columns& boxes,
-                                      std::vector<double>& copy) {
-  bool is_in_place = boxes.type == HS_FLOAT64 && boxes.stride == boxes.size;
-  const auto* const first = static_cast<const double*>(boxes.column[0]);
-  for (std::size_t v = 0; v < boxes.size && is_in_place; ++v) {
-    is_in_place = boxes.column[v] == first + v;
-  }
-  if (is_in_place) return {first, boxes.size * boxes.count};
-  copy.resize(boxes.size * boxes.count);
-  for (std::size_t i = 0; i < boxes.count; ++i) {
-    ReadRow(boxes, i, boxes.size, &copy[boxes.size * i]);
-  }
-  return copy;
-}
-
 // Writes the row of each result. The results of row i end at ends[i].
 void FillRows(const std::vector<std::size_t>& ends, std::int64_t* rows,
               Work& work) {
@@ -574,20 +572,18 @@ void FillRows(const std::vector<std::size_t>& ends, std::int64_t* rows,
 
 // Sorts the queries into a tree of their own and joins the trees: queries that
 // are near each other share what they read. Then sorts the pairs by row.
-Ids QueryByJoin(Tree& tree, const py::tuple& arrays, std::uint32_t mask,
-                std::size_t threads, py::object progress) {
+Ids QueryByJoin(Tree& tree, const py::tuple& arrays, const py::tuple& how) {
   const Columns boxes(arrays);
   hs_pair_options options = DefaultOf(&hs_pair_options_default);
-  options.mask = mask;
-  Work work(threads, std::move(progress));
+  options.mask = MaskOf(how);
+  Work work = WorkOf(how);
   const Reading reading(tree);
   const auto results = [&] {
     const py::gil_scoped_release release;
     const Bvh queries = Build(boxes, /*is_fast=*/true, work,
                               /*progress_end=*/0);
-    std::vector<double> copy;
-    const std::span<const double> rows =
-        tree.is_exact ? RowsOfDoubles(boxes, copy) : std::span<const double>();
+    std::vector<double> rows(tree.is_exact ? boxes.size * boxes.count : 0);
+    if (tree.is_exact) ReadRows(boxes, nullptr, rows.data());
     return FindPairs(queries.get(), tree.get(), options, work,
                      KeeperOf(rows, tree.doubles, tree.dims, 0));
   }();
@@ -651,12 +647,11 @@ std::vector<double> DoublesOf(const Tree& tree) {
 
 // The pairs of a tree and of `b`, or of itself if this is null, in an array of
 // shape (2, n). Those of one tree have i < j.
-Ids PairsOf(Tree& tree, Tree* b, float margin, std::uint32_t mask,
-            std::size_t threads, py::object progress) {
+Ids PairsOf(Tree& tree, Tree* b, float margin, const py::tuple& how) {
   hs_pair_options options = DefaultOf(&hs_pair_options_default);
   options.margin = margin;
-  options.mask = mask;
-  Work work(threads, std::move(progress));
+  options.mask = MaskOf(how);
+  Work work = WorkOf(how);
   const auto results = [&] {
     Tree& other = b == nullptr ? tree : *b;
     WaitUntilOpen(tree, other);
@@ -700,11 +695,10 @@ Ids PairsOf(Tree& tree, Tree* b, float margin, std::uint32_t mask,
 // that of object i.
 py::tuple CastToTriangles(Tree& tree, const py::tuple& its_rays,
                           const py::tuple& its_triangles, bool finds_all,
-                          std::uint32_t mask, std::size_t threads,
-                          py::object progress) {
+                          const py::tuple& how) {
   const Columns triangles(its_triangles);
-  const hs_query_options options = Searches<Tree>::OptionsOf(mask);
-  Work work(threads, std::move(progress));
+  const hs_query_options options = Searches<Tree>::OptionsOf(MaskOf(how));
+  Work work = WorkOf(how);
   const Reading reading(tree);
   const Columns rays = Searches<Tree>::QueriesIn(tree, its_rays, work);
   if (finds_all) {
@@ -728,11 +722,10 @@ py::tuple CastToTriangles(Tree& tree, const py::tuple& its_rays,
 // them, of shape (n, 3).
 py::tuple ClosestPoints(Tree& tree, const py::tuple& its_points,
                         const py::tuple& its_triangles, float max_distance,
-                        std::uint32_t mask, std::size_t threads,
-                        py::object progress) {
+                        const py::tuple& how) {
   const Columns triangles(its_triangles);
-  const hs_query_options options = Searches<Tree>::OptionsOf(mask);
-  Work work(threads, std::move(progress));
+  const hs_query_options options = Searches<Tree>::OptionsOf(MaskOf(how));
+  Work work = WorkOf(how);
   const Reading reading(tree);
   const Columns points = Searches<Tree>::QueriesIn(tree, its_points, work);
   py::array_t<float> closest(std::vector<std::size_t>{points.count, 3});
@@ -820,8 +813,7 @@ void SetMasks(Tree& tree, const ShortIds& ids, const ShortIds& masks) {
 void Rebuild(Tree& tree, bool is_fast, std::size_t threads) {
   Work work(threads, py::none());
   Threads its_threads{work, 9, 0, 0};
-  hs_bvh_config config = ConfigOf(tree.dims);
-  config.quality = is_fast ? HS_QUALITY_FAST : HS_QUALITY_HIGH;
+  hs_bvh_config config = ConfigOf(tree.dims, is_fast);
   config.run = &Threads::Run;
   config.run_context = &its_threads;
   Change(tree, [&] { its_threads.Check(hs_bvh_rebuild(tree.get(), &config)); });
@@ -876,6 +868,7 @@ void DefineTree(py::module_& module) {
       .def("query_by_join", &QueryByJoin)
       .def("query_some", &QuerySome)
       .def("blob", &BlobOf)
+      .def("save", &Save)
       .def("pairs", &PairsOf)
       .def("cast_to_triangles", &CastToTriangles)
       .def("closest_points", &ClosestPoints)

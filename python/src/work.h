@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <functional>
 
@@ -59,6 +60,14 @@ class Work {
   std::chrono::steady_clock::time_point last_contact_ =
       std::chrono::steady_clock::now();
 };
+
+// What how() of _arrays.py returns: the mask, the threads and the progress.
+inline std::uint32_t MaskOf(const pybind11::tuple& how) {
+  return how[0].cast<std::uint32_t>();
+}
+inline Work WorkOf(const pybind11::tuple& how) {
+  return {how[1].cast<std::size_t>(), how[2]};
+}
 
 // Runs the parts of a C function that takes a hs_run_function and calls it
 // about `passes` times. The progress goes from 0 to `end` of `total`.

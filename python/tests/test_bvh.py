@@ -159,29 +159,15 @@ def distances_of(points, boxes):
     return np.linalg.norm(np.maximum(gap, 0), axis=2)
 
 
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
-@pytest.mark.parametrize("as_boxes", [False, True])
-@pytest.mark.parametrize("k", [1, 5, 5000])
-def test_nearest(rng, dims, boxes, dtype, as_boxes, k):
-    points = 2 * rng.random((50, dims)).astype(dtype)
-    if as_boxes:
-        points = np.concatenate([points, points + dtype(0.01)], axis=1)
-    ids, distances = hs.BVH(boxes).nearest(points, k)
-    exact = distances_of(points, boxes)
-    found = min(k, len(boxes))
-    assert ids.shape == distances.shape == (50, k)
-    assert (ids[:, found:] == -1).all() and np.isinf(distances[:, found:]).all()
-    ids, distances = ids[:, :found], distances[:, :found]
-    assert np.allclose(distances, np.sort(exact, axis=1)[:, :found], 1e-5, 1e-7)
-    assert np.allclose(distances, np.take_along_axis(exact, ids, 1), 1e-5, 1e-7)
-    assert (np.diff(np.sort(ids, axis=1), axis=1) > 0).all()
-
-
 def test_nearest_within_a_distance():
     tree = hs.BVH([[0, 0, 1, 1], [4, 0, 5, 1]])
     ids, distances = tree.nearest([2, 0], k=2, max_distance=1.5)
     assert ids.tolist() == [0, -1]
     assert distances.tolist() == [1, np.inf]
+    # More than the results of one part.
+    ids, distances = tree.nearest(np.float32([[2, 0], [4, 0]]), k=5000)
+    assert ids[:, :2].tolist() == [[0, 1], [1, 0]] and (ids[:, 2:] == -1).all()
+    assert distances[:, :2].tolist() == [[1, 2], [0, 3]] and np.isinf(distances[:, 2:]).all()
     # 0.1 is no float: the limit is rounded up, and an object at it is found.
     assert tree.nearest([1.1, 0], max_distance=1.1 - 1)[0].tolist() == [0]
 
@@ -376,36 +362,24 @@ def test_many_queries_of_a_large_tree(rng, dims, exact):
             assert np.array_equal(whole, np.concatenate(found))
 
 
-def gaps_between(queries, boxes):
-    """Between all pairs of boxes, as doubles."""
-    d = boxes.shape[1] // 2
-    a, b = np.float64(queries)[:, np.newaxis], np.float64(boxes)[np.newaxis]
-    gaps = np.maximum(a[..., :d] - b[..., d:], b[..., :d] - a[..., d:])
-    return np.linalg.norm(np.maximum(gaps, 0), axis=2)
-
-
-# Those that are in doubt as floats are left out of the comparison.
 @pytest.mark.parametrize("kind", [hs.BVH, hs.BroadPhase])
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 @pytest.mark.parametrize("each", [False, True])
-def test_what_is_within_a_distance(boxes, queries, kind, dtype, each):
+def test_what_is_within_a_distance(rng, dims, kind, dtype, each):
+    """On a grid, so that floats are exact."""
+    corners = rng.integers(0, 40, (1500, dims)).astype(dtype)
+    boxes, centers = np.hstack([corners, corners + 1]), corners[::-1]
+    queries = np.hstack([centers, centers + 2])
     tree = tree_of(kind, boxes)
-    within = np.linspace(0, 0.3, len(queries)) if each else 0.07
-    limits = np.broadcast_to(within, len(queries))[:, np.newaxis]
-    centers = queries[:, : tree.dims]
-
-    def check(found, distances):
-        matrix = as_matrix(found, distances.shape)
-        assert matrix[distances <= limits].all()
-        assert not matrix[distances > 1.0001 * limits + 1e-5].any()
+    within = np.arange(len(queries)) % 8 / 2 if each else 2.5
+    limits = np.broadcast_to(within, len(queries))
+    for call, its in ((lambda some, limit: tree.query(queries[some], within=limit), queries),
+                      (lambda some, limit: tree.query_sphere(centers[some], limit), centers)):
+        expected = distances_of(its, boxes) <= limits[:, np.newaxis]
+        found = call(slice(None), within)
+        assert (as_matrix(found, expected.shape) == expected).all()
         assert (np.diff(found[0]) >= 0).all()
-
-    points = np.hstack([centers, centers])
-    check(tree.query(dtype(queries), within=within), distances_of(queries, boxes))
-    check(tree.query_sphere(dtype(centers), within), distances_of(centers, boxes))
-    rows, ids = tree.query(queries, within=within)
-    assert sorted(tree.query(queries[3], within=limits[3, 0])) == sorted(ids[rows == 3])
-    assert sorted(tree.query_sphere(centers[3], 0.0)) == sorted(tree.query(points[3]))
+        assert sorted(call(3, limits[3])) == np.flatnonzero(expected[3]).tolist()
 
 
 @pytest.mark.parametrize("kind", [hs.BVH, hs.BroadPhase])

@@ -175,23 +175,14 @@ def test_divisions_are_rows(no_client):
     assert len(some) == one.count(boxes[900:1001]).sum()
 
 
-@pytest.mark.parametrize("partitions", [4, 20])
-def test_nearest_has_no_rows_beyond_the_objects(no_client, monkeypatch, partitions):
-    rng = np.random.default_rng(19)
-    boxes, points, search = uniform(rng, 200), rng.random((200, 3)), hd._nearest_in
-    searched = []
-
-    def nearest_in(partition, piece, *arguments):
-        found = search(partition, piece, *arguments)
-        searched.append(len(piece[0]) * len(partition.tree))
-        assert {len(column) for column in found} == {searched[-1]}
-        return found
-
-    monkeypatch.setattr(hd, "_nearest_in", nearest_in)
-    found = hd.BVH(boxes, partitions).nearest(points, k=3000).compute()
-    assert len(found) == sum(searched) == 40_000
-    monkeypatch.undo()
-    assert len(hd.BVH(boxes, partitions).nearest(points + 9, 5, 1).compute(scheduler="sync")) == 0
+def test_nearest_has_no_rows_beyond_the_objects(no_client):
+    boxes = uniform(np.random.default_rng(19), 200)
+    partition = hd._Partition(hs.BVH(boxes), np.arange(200))
+    found = hd._nearest_in(partition, (boxes, np.arange(200)), 3000, np.inf)
+    assert {len(column) for column in found} == {40_000}
+    tree = hd.BVH(boxes, 20)
+    assert len(tree.nearest(boxes, k=3000).compute()) == 40_000
+    assert len(tree.nearest(boxes + 9, 5, 1).compute()) == 0
 
 
 @pytest.mark.filterwarnings("error:overflow")
@@ -422,26 +413,11 @@ def test_partitions_share_skewed_work(client):
     assert most_pairs("pairs") < 0.7 * most_pairs("objects")
 
 
-def test_batches_are_bounded(client):
-    rng = np.random.default_rng(4)
-    boxes = uniform(rng, 3000, size=0.2)
-    boxes[0] = [-1, -1, -1, 2, 2, 2]  # a row with more pairs than a batch
-    one = hs.BVH(boxes)
-    expected = pairs_of([one.query(boxes)])
-    most_of_row = one.count(boxes).max()
-    assert most_of_row == 3000
-    tree = hd.BVH(boxes, partitions=2)
-    batches = list(tree.query_batches(boxes, max_results=500))
-    assert all(len(rows) <= 500 or (rows == rows[0]).all() for rows, _ in batches)
-    np.testing.assert_array_equal(pairs_of(batches), expected)
-
-
 def test_few_batches_wait(client, monkeypatch):
-    """A range of rows is searched when a batch before it was taken."""
-    rng = np.random.default_rng(10)
-    boxes = uniform(rng, 2000, size=0.3)
+    """Batches are bounded, and a range of rows is searched when a batch before it was taken."""
+    boxes = uniform(np.random.default_rng(10), 3000, size=0.25)
+    boxes[0] = [-1, -1, -1, 2, 2, 2]  # a row with more pairs than a batch
     expected = pairs_of([hs.BVH(boxes).query(boxes)])
-    tree = hd.BVH(boxes, partitions=1)
     submitted = []
     add = hd._Runner.add
 
@@ -450,13 +426,13 @@ def test_few_batches_wait(client, monkeypatch):
         return add(run, function, *arguments)
 
     monkeypatch.setattr(hd._Runner, "add", count)
-    batches = tree.query_batches(boxes, max_results=2000)
     found = []
-    for batch in batches:
-        found.append(batch)
+    for rows, ids in hd.BVH(boxes, partitions=1).query_batches(boxes, max_results=2000):
+        found.append((rows, ids))
+        assert len(rows) <= 2000 or (rows == rows[0]).all()
         # Two tasks for each thread run or wait.
         assert submitted.count(hd._some_pairs) < len(found) + 2 * 2
-    assert len(found) > 50
+    assert len(found) > 50 and max(len(rows) for rows, _ in found) == 3000
     np.testing.assert_array_equal(pairs_of(found), expected)
 
 
@@ -520,10 +496,11 @@ def test_mapped_partitions(client):
                                             if isinstance(value, hd._Partition) and name in str(key)])
     sizes = sum(sizes.values(), [])
     assert len(sizes) == 3 and max(sizes) < 3000 * 8 < tree.nbytes.compute()
+    assert dask.sizeof.sizeof(hs.BVH(boxes)) > 3000 * 24
     # A copy is in memory.
     copy = distributed.futures_of(tree)[0].result()
     assert isinstance(copy, hd._Partition)
-    assert dask.sizeof.sizeof(copy) == copy.tree.nbytes + copy.rows.nbytes
+    assert dask.sizeof.sizeof(copy) > copy.tree.nbytes > 3000 * 8
     np.testing.assert_array_equal(pairs_of(tree.query_batches(boxes)),
                                   pairs_of([hs.BVH(boxes).query(boxes)]))
 
@@ -557,11 +534,6 @@ def test_a_killed_worker_loses_nothing(client):
     found += batches
     assert client.run(os.getpid) != workers
     np.testing.assert_array_equal(pairs_of(found), expected)
-
-
-def test_a_tree_is_accounted_with_its_bytes():
-    tree = hs.BVH(np.random.default_rng(9).random((10000, 3)).repeat(2, 1)[:, [0, 2, 4] * 2])
-    assert dask.sizeof.sizeof(tree) == tree.nbytes > 10000 * 24
 
 
 MASKED = np.ma.array(np.ones((2, 6)), mask=np.ones((2, 6)))

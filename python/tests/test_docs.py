@@ -17,7 +17,7 @@ def test_examples():
     for thing in (hs._searches.Searches, *(getattr(hs, name) for name in hs.__all__)):
         for test in finder.find(thing, module=False):  # True leaves out methods
             runner.run(test)
-    assert runner.tries > 50 and runner.failures == 0
+    assert runner.tries > 30 and runner.failures == 0
 
 
 def test_the_program_of_the_readme():
@@ -40,21 +40,21 @@ def test_every_public_name_has_a_docstring():
                     assert inspect.getdoc(member), f"{name}.{key}"
 
 
-def run_mypy(tmp_path, *arguments):
+def test_types(tmp_path):
     pytest.importorskip("mypy")
     package = os.path.dirname(hs.__file__)
     # mypy finds a package in site-packages, and refuses to be told of it.
     paths = "" if "site-packages" in package else os.path.dirname(package)
-    return subprocess.run(
-        [sys.executable, "-m", *arguments],
-        cwd=tmp_path,
-        env={**os.environ, "MYPYPATH": paths},
-        capture_output=True,
-        text=True,
-    )
 
+    def mypy(*arguments):
+        return subprocess.run(
+            [sys.executable, "-m", "mypy", "--no-incremental", *arguments],
+            cwd=tmp_path,
+            env={**os.environ, "MYPYPATH": paths},
+            capture_output=True,
+            text=True,
+        )
 
-def test_types(tmp_path):
     (tmp_path / "user.py").write_text(
         "import halfspace as hs\n"
         "tree = hs.BVH([[0, 0, 1, 1]])\n"
@@ -63,18 +63,10 @@ def test_types(tmp_path):
         "reveal_type(hs.join(tree, tree))\n"
         "hs.Scan(tree, quantised=True)\n"
     )
-    run = run_mypy(tmp_path, "mypy", "--strict", "--no-incremental", "user.py")
+    run = mypy("--strict", "user.py")
     lines = run.stdout.splitlines()
     assert 'Revealed type is "numpy.ndarray' in lines[0], run.stdout
     assert "quantised" in lines[1], run.stdout
     assert lines[-1].startswith("Found 1 error in 1 file"), run.stdout
-    run = run_mypy(tmp_path, "mypy", "--no-incremental", os.path.dirname(hs.__file__))
+    run = mypy(package)
     assert run.returncode == 0, run.stdout
-
-
-def test_the_stub_has_what_the_extension_has(tmp_path):
-    run = run_mypy(tmp_path, "mypy.stubtest", "halfspace._halfspace")
-    errors = [line for line in run.stdout.splitlines() if line.startswith("error:")]
-    # pybind11's classes have a metaclass of its own.
-    assert not [e for e in errors if "metaclass differs" not in e], run.stdout
-    assert "(checked 1 module)" in run.stdout
