@@ -158,7 +158,10 @@ function numbersOf(name, data, values) {
   return numbers;
 }
 
-const floatsOf = (name, data, values) => new Float32Array(numbersOf(name, data, values));
+function floatsOf(name, data, values) {
+  const numbers = numbersOf(name, data, values);
+  return numbers instanceof Float32Array ? numbers : new Float32Array(numbers);
+}
 
 // The numbers of one row. Not numbersOf(), which takes as long as the search for 8 boxes.
 function rowOf(name, row, count) {
