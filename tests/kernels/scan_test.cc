@@ -101,16 +101,16 @@ TYPED_TEST(ScanWordsTest, AreThoseOfTheReference) {
     std::vector<T> planes[kPlaneCount];
     const T* pointers[kPlaneCount];
     View view;
-    typename View::Query query;
+    T values[kPlaneCount];
     for (std::size_t p = 0; p < kPlaneCount; ++p) {
       planes[p].resize(kFirst + 64);
-      OpposingValue<View>(query, p) =
+      values[OpposingValue(detail::kLayoutOf<typename View::Bound>, p)] =
           FillPlane<T>(kind, IsMinPlane<View>(p), planes[p], random);
       pointers[p] = planes[p].data();
       PlaneOf(view, p) = pointers[p] + kFirst;
     }
-    T values[kPlaneCount];
-    std::memcpy(values, &query, sizeof(query));
+    typename View::Query query;
+    std::memcpy(&query, values, sizeof(query));
     for (view.size = 1; view.size <= 64; ++view.size) {
       std::uint64_t rejected;
       reference::RejectMask(view, query, &rejected);
