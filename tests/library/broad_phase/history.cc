@@ -83,8 +83,7 @@ bool LoadAltered(const Layout& layout, const std::vector<std::byte>& bytes) {
     EXPECT_TRUE(bodies.Has(8) && bodies.size() == 1);
     return false;
   }
-  const Planes everything = AllPlanes(layout, kMost);
-  const Shape all{Shape::kBound, {everything.begin(), everything.end()}};
+  const Shape all = ShapeOf(AllPlanes(layout, kMost));
   Ids ids(bodies.size());
   ids.resize(
       std::min(Searches(layout, bodies).Find(all, ids, {}, 0), ids.size()));
@@ -159,8 +158,7 @@ namespace {
 
 // What is stored of the bodies, and their pairs.
 Ids StateOf(const Layout& layout, const AnyBodies& bodies) {
-  const Planes everything = AllPlanes(layout, kInf);
-  const Shape all{Shape::kBound, {everything.begin(), everything.end()}};
+  const Shape all = ShapeOf(AllPlanes(layout, kInf));
   Ids ids(bodies.size());
   EXPECT_EQ(Searches(layout, bodies).Find(all, ids, {}, 0), ids.size());
   Ids state = ids = InOrder(ids);
@@ -343,8 +341,7 @@ void BodyHistory::UpdatePairs() {
 // A query whose function moves bodies, sees that, and begins another query.
 void BodyHistory::QueryAndMove(std::size_t depth) {
   Watch watch;
-  const Planes everything = AllPlanes(model_.layout, kMost);
-  watch.query = {Shape::kBound, {everything.begin(), everything.end()}};
+  watch.query = ShapeOf(AllPlanes(model_.layout, kMost));
   if (choices_.Below(2) == 0) {
     watch.query = Spheres(model_.layout, 40, choices_.Below(100)).NextQuery();
   }

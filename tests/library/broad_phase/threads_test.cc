@@ -43,18 +43,10 @@ bool IsPlaceOf(std::uint32_t id, const Aabb3& box) {
   return box == PlaceOf(id, false) || box == PlaceOf(id, true);
 }
 Aabb3 BothOf(std::uint32_t id) {
-  Aabb3 both = PlaceOf(id, false);
-  const Aabb3 second = PlaceOf(id, true);
-  for (std::size_t k = 0; k < 3; ++k) {
-    both.max[k] = std::max(both.max[k], second.max[k]);
-  }
-  return both;
+  return Merge(PlaceOf(id, false), PlaceOf(id, true));
 }
 bool Touch(const Aabb3& a, const Aabb3& b) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (a.min[k] > b.max[k] || b.min[k] > a.max[k]) return false;
-  }
-  return true;
+  return !IsEmpty(Intersection(a, b));
 }
 
 // All that a thread found wrong, in words.

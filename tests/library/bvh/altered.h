@@ -15,9 +15,7 @@ namespace halfspace::testing {
 
 inline void AskAltered(const AnyBvh& world, Random& random) {
   const Layout& layout = world.layout;
-  const Planes everything = AllPlanes(layout, kMost);
-  std::vector<Shape> shapes = {
-      {Shape::kBound, {everything.begin(), everything.end()}}};
+  std::vector<Shape> shapes = {ShapeOf(AllPlanes(layout, kMost))};
   for (int kind = 0; kind <= Shape::kHalfSpaces; ++kind) {
     shapes.push_back(SomeShapes(layout, static_cast<Shape::Kind>(kind), 1,
                                 random() % 2 == 0, random)[0]);

@@ -77,31 +77,11 @@ std::vector<T> ExpectFills(std::size_t total, const Find& find) {
   return all;
 }
 
-}  // namespace
-
-PairList PairsFrom(Span<const IdPair> pairs) {
-  PairList list;
-  for (const IdPair& pair : pairs) list.emplace_back(pair.a, pair.b);
-  return list;
-}
-
-PairList Difference(const PairList& of, const PairList& without) {
-  PairList difference;
-  std::ranges::set_difference(of, without, std::back_inserter(difference));
-  return difference;
-}
-
-PairList InOrder(Span<const IdPair> pairs, bool is_one_world) {
-  PairList sorted = PairsFrom(pairs);
-  for (auto& [a, b] : sorted) {
-    if (is_one_world && a > b) std::swap(a, b);
-  }
-  std::sort(sorted.begin(), sorted.end());
-  return sorted;
-}
-
+// Whether a plane separates two bounds by more than a margin, which is 2 or 3
+// times as large on D. With a margin and `rounding`, the call allows for such a
+// share of all values, and for values that grow beyond the greatest float.
 bool AreSeparated(const Layout& layout, const Planes& a, const Planes& b,
-                  float margin, double rounding) {
+                  float margin = 0, double rounding = 0) {
   const auto size = [](float v) {
     return std::isfinite(v) ? std::fabs(static_cast<double>(v)) : 0.0;
   };
@@ -127,6 +107,52 @@ bool AreSeparated(const Layout& layout, const Planes& a, const Planes& b,
     }
   }
   return false;
+}
+
+// A bound of a sphere: on D it is that of the sphere, too. Planes of a query
+// are those that a plane is compared with.
+Planes BoundOfBall(const Layout& layout, const Corner& center, float radius,
+                   bool is_query = false) {
+  Planes bound{};
+  std::array<float, 4> min;
+  std::array<float, 4> max;
+  float sum = 0;
+  for (std::size_t k = 0; k < layout.dims; ++k) {
+    min[k] = center[k] - radius;
+    max[k] = center[k] + radius;
+    sum += center[k];
+  }
+  const float on_d = radius * std::sqrt(static_cast<float>(layout.dims));
+  min[layout.dims] = -sum - on_d;
+  max[layout.dims] = -sum + on_d;
+  for (std::size_t p = 0; p < layout.plane_count; ++p) {
+    const std::size_t k = p % layout.axes;
+    bound[p] = IsMin(layout, p) != is_query ? min[k] : max[k];
+  }
+  return bound;
+}
+
+}  // namespace
+
+PairList PairsFrom(Span<const IdPair> pairs) {
+  PairList list;
+  for (const IdPair& pair : pairs) list.emplace_back(pair.a, pair.b);
+  return list;
+}
+
+PairList Difference(const PairList& of, const PairList& without) {
+  PairList difference;
+  std::ranges::set_difference(of, without, std::back_inserter(difference));
+  return difference;
+}
+
+PairList InOrder(Span<const IdPair> pairs, bool is_one_world) {
+  PairList sorted = PairsFrom(pairs);
+  for (auto& [a, b] : sorted) {
+    if (is_one_world && a > b) std::swap(a, b);
+  }
+  std::sort(sorted.begin(), sorted.end());
+  return sorted;
 }
 
 PairList PairsIn(const Layout& layout, const Objects& objects) {
@@ -367,11 +393,10 @@ void ExpectForEachNearest(const Searches& world, const Objects& objects,
   }
 }
 
-}  // namespace
-
+// The nearest objects, by their distances as computed.
 void ExpectNearest(const Searches& world, const Objects& objects,
                    const Place& place, float max_distance, const HowToAsk& how,
-                   bool exclusive) {
+                   bool exclusive = false) {
   SearchOptions options;
   options.mask = how.mask;
   options.exclusive = exclusive;
@@ -444,6 +469,7 @@ std::map<std::uint32_t, float> EntriesOf(const Layout& layout,
   return entries;
 }
 
+// Every hit at its t, and with limits all that are nearer.
 void ExpectHits(const Searches& world, const Objects& objects,
                 const Motion& motion, const HowToAsk& how) {
   const auto expected =
@@ -509,8 +535,18 @@ void ExpectHits(const Searches& world, const Objects& objects,
   }
 }
 
+// Which pairs are asked for: of one world or with another one, of all objects
+// or of some. A list of ids may have an id twice.
+struct PairsAsked {
+  const AnyBvh* other = nullptr;
+  const Objects* others = nullptr;
+  const Ids* ids = nullptr;
+  Ids wanted = {};  // of the ids; empty if all are wanted
+  float margin = 0;
+};
+// The world is a BVH unless `ids` are of one world.
 void ExpectPairs(const Searches& world, const Objects& objects,
-                 const PairsAsked& asked) {
+                 const PairsAsked& asked, const HowToAsk& how) {
   const bool is_one_world = asked.other == nullptr;
   const Objects& others = is_one_world ? objects : *asked.others;
   std::map<std::uint32_t, Ids> wanted;  // of each id
@@ -546,12 +582,12 @@ void ExpectPairs(const Searches& world, const Objects& objects,
   PairList may;
   const std::vector<Listed> bs = listed(others);
   for (const Listed& a : listed(objects)) {
-    if (a.wanted == nullptr || !HasMask(*a.object, asked.mask)) continue;
+    if (a.wanted == nullptr || !HasMask(*a.object, how.mask)) continue;
     for (const Listed& b : bs) {
       if (is_one_world && (b.wanted != nullptr ? b.id <= a.id : b.id == a.id)) {
         continue;
       }
-      if (!HasMask(*b.object, asked.mask) ||
+      if (!HasMask(*b.object, how.mask) ||
           !(a.Wants(*b.object) || (is_one_world && b.Wants(*a.object)))) {
         continue;
       }
@@ -574,8 +610,8 @@ void ExpectPairs(const Searches& world, const Objects& objects,
   const Span<const std::uint32_t> ids =
       asked.ids == nullptr ? Span<const std::uint32_t>()
                            : Span<const std::uint32_t>(*asked.ids);
-  for (Target target : asked.targets) {
-    PairOptions options{.mask = asked.mask,
+  for (Target target : how.targets) {
+    PairOptions options{.mask = how.mask,
                         .wanted = asked.wanted,
                         .margin = asked.margin,
                         .target = target};
@@ -635,8 +671,6 @@ void ExpectPairs(const Searches& world, const Objects& objects,
     ASSERT_LE(calls, 2u);
   }
 }
-
-namespace {
 
 class Numbers {
  public:
@@ -788,7 +822,7 @@ void ExpectAnswers(const Searches& world, const Objects& objects,
                                      AllPlanes(layout, -kInf)};
       if (!objects.empty()) queries.push_back(any_object()->second.bound);
       for (const Planes& query : queries) {
-        shapes.push_back({Shape::kBound, {query.begin(), query.end()}});
+        shapes.push_back(ShapeOf(query));
       }
     }
     ExpectFinds(world, objects, shapes, how);
@@ -825,11 +859,11 @@ void ExpectAnswers(const Searches& world, const Objects& objects,
   }
   if (random() % 2 == 0) asked.wanted.clear();
   asked.ids = &ids;
-  asked.mask = how.mask;
+
   constexpr float kMargins[] = {0, 0, 0.7f, 7.0f, 1e-30f, 1e-42f, 3e38f};
   asked.margin = kMargins[random() % 7];
-  asked.targets = how.targets;
-  ExpectPairs(world, objects, asked);
+
+  ExpectPairs(world, objects, asked, how);
 }
 
 void ExpectIsModel(const AnyBvh& world, const Objects& objects,
@@ -860,9 +894,8 @@ void ExpectIsModel(const AnyBvh& world, const Objects& objects,
     return;
   }
   PairsAsked asked;
-  asked.mask = how.mask;
-  asked.targets = how.targets;
-  ExpectPairs(world, objects, asked);
+
+  ExpectPairs(world, objects, asked, how);
   // With another world: of all, or of some.
   Spheres spheres(layout, 6, random());
   const std::vector<Planes> bounds = spheres.Some(random() % 150);
@@ -878,28 +911,7 @@ void ExpectIsModel(const AnyBvh& world, const Objects& objects,
     asked.ids = &ids;
   }
   asked.margin = random() % 2 == 0 ? 0 : 0.5f;
-  ExpectPairs(world, objects, asked);
-}
-
-Planes BoundOfBall(const Layout& layout, const Corner& center, float radius,
-                   bool is_query) {
-  Planes bound{};
-  std::array<float, 4> min;
-  std::array<float, 4> max;
-  float sum = 0;
-  for (std::size_t k = 0; k < layout.dims; ++k) {
-    min[k] = center[k] - radius;
-    max[k] = center[k] + radius;
-    sum += center[k];
-  }
-  const float on_d = radius * std::sqrt(static_cast<float>(layout.dims));
-  min[layout.dims] = -sum - on_d;
-  max[layout.dims] = -sum + on_d;
-  for (std::size_t p = 0; p < layout.plane_count; ++p) {
-    const std::size_t k = p % layout.axes;
-    bound[p] = IsMin(layout, p) != is_query ? min[k] : max[k];
-  }
-  return bound;
+  ExpectPairs(world, objects, asked, how);
 }
 
 Planes Spheres::Next(bool is_query) {
@@ -914,10 +926,7 @@ std::vector<Planes> Spheres::Some(std::size_t count) {
   for (Planes& bound : some) bound = Next();
   return some;
 }
-Shape Spheres::NextQuery() {
-  const Planes query = Next(true);
-  return {Shape::kBound, {query.begin(), query.end()}};
-}
+Shape Spheres::NextQuery() { return ShapeOf(Next(true)); }
 
 namespace {
 

@@ -37,12 +37,7 @@ PairList Difference(const PairList& of, const PairList& without);
 // Sorted. Of one world, the lesser id of each pair is first.
 PairList InOrder(Span<const IdPair> pairs, bool is_one_world);
 
-// Whether a plane separates two bounds by more than a margin, which is 2 or 3
-// times as large on D. With a margin and `rounding`, the call allows for such a
-// share of all values, and for values that grow beyond the greatest float.
-bool AreSeparated(const Layout& layout, const Planes& a, const Planes& b,
-                  float margin = 0, double rounding = 0);
-// With margin 0.
+// Those that no plane separates.
 PairList PairsIn(const Layout& layout, const Objects& objects);
 
 // The objects that the test of a shape keeps, in order. Not for oriented boxes.
@@ -60,29 +55,6 @@ struct HowToAsk {
 // the test of each shape keeps.
 void ExpectFinds(const Searches& world, const Objects& objects,
                  std::span<const Shape> shapes, const HowToAsk& how);
-// The nearest objects, by their distances as computed.
-void ExpectNearest(const Searches& world, const Objects& objects,
-                   const Place& place, float max_distance, const HowToAsk& how,
-                   bool exclusive = false);
-// Every hit at its t, and with limits all that are nearer.
-void ExpectHits(const Searches& world, const Objects& objects,
-                const Motion& motion, const HowToAsk& how);
-
-// Which pairs are asked for: of one world or with another one, of all objects
-// or of some. A list of ids may have an id twice.
-struct PairsAsked {
-  const AnyBvh* other = nullptr;
-  const Objects* others = nullptr;
-  const Ids* ids = nullptr;
-  Ids wanted = {};  // of the ids; empty if all are wanted
-  std::uint32_t mask = 0xFFFFFFFF;
-  float margin = 0;
-  std::vector<Target> targets = {Target()};
-};
-// The world is a BVH unless `ids` are of one world.
-void ExpectPairs(const Searches& world, const Objects& objects,
-                 const PairsAsked& asked);
-
 // Shapes of one kind near the objects of Scenes. With `is_special`, some of
 // their numbers are special values.
 std::vector<Shape> SomeShapes(const Layout& layout, Shape::Kind kind,
@@ -98,11 +70,6 @@ void ExpectAnswers(const Searches& world, const Objects& objects,
 // bounds, and the bound of all.
 void ExpectIsModel(const AnyBvh& world, const Objects& objects,
                    const HowToAsk& how, Random& random);
-
-// A bound of a sphere: on D it is that of the sphere, too. Planes of a query
-// are those that a plane is compared with.
-Planes BoundOfBall(const Layout& layout, const Corner& center, float radius,
-                   bool is_query = false);
 
 // Objects of a cube of side 100.
 class Spheres {

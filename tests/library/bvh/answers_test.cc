@@ -129,7 +129,7 @@ TEST_P(BvhTest, CodesDecideOnlyWhatTheyProve) {
                          std::nextafter(value, -kInf)}) {
           Planes query = AllPlanes(layout, kInf);
           query[p] = at;
-          queries.push_back({Shape::kBound, {query.begin(), query.end()}});
+          queries.push_back(ShapeOf(query));
         }
       }
     }
@@ -173,13 +173,9 @@ TEST_P(BvhTest, CodesDecideOnlyWhatTheyProve) {
   }
 }
 
-class BvhShapesTest : public ::testing::TestWithParam<Layout> {};
-INSTANTIATE_TEST_SUITE_P(Of, BvhShapesTest,
-                         ::testing::ValuesIn(LayoutsOf(false)), LayoutName());
-
 // Shapes of integers, times a power of two, and objects that touch them in a
 // point of integers.
-TEST_P(BvhShapesTest, NeverRejectWhatTouches) {
+TEST_P(BvhTest, NeverRejectsWhatTouchesAShape) {
   const Layout layout = GetParam();
   const std::size_t dims = layout.dims;
   using Exact = std::array<double, 3>;

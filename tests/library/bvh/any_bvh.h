@@ -92,6 +92,7 @@ struct BoundList {
 };
 
 struct Shape {
+  // After the first as detail::BvhShapeQuery.
   enum Kind : std::uint8_t {
     kBound,
     kPoint,
@@ -105,6 +106,9 @@ struct Shape {
   Kind kind = kBound;
   std::vector<float> numbers;  // as the struct has them, or Planes
 };
+inline Shape ShapeOf(const Planes& query) {
+  return {Shape::kBound, {query.begin(), query.end()}};
+}
 
 using Corner = std::array<float, 3>;
 // A box, or a point.

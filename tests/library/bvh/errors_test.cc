@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <new>
 #include <numeric>
 #include <stdexcept>
 #include <string_view>
@@ -347,47 +346,38 @@ TEST(RejectShapesErrorsTest, RefuseWhatIsWrong) {
 // written and no function is called.
 TEST(BvhPairsMemoryTest, OnlySetsThatAreSearchedOrLargeTakeMemory) {
   constexpr IdPair kCanary{0xABABABAB, 0xCDCDCDCD};
-  for (Failure failure : {Failure::kThrows, Failure::kReturnsNull}) {
-    CountingMemory memory(failure);
-    AabbBvh3 world(Spread(4.0f).Some(30000), {.memory = memory.resource()});
-    for (bool is_changed : {false, true}) {
-      if (is_changed) world.Set(5, Aabb3::Everything());
-      for (std::uint32_t count : {3u, 63u, 200u}) {
-        Ids ids(count);
-        std::iota(ids.begin(), ids.end(), 0);
-        const Ids wanted(count, 1);
+  CountingMemory memory;
+  AabbBvh3 world(Spread(4.0f).Some(30000), {.memory = memory.resource()});
+  std::size_t calls = 0;
+  const auto function = [&](Span<const IdPair>) { ++calls; };
+  for (bool is_changed : {false, true}) {
+    if (is_changed) world.Set(5, Aabb3::Everything());
+    for (std::uint32_t count : {3u, 63u, 200u}) {
+      Ids ids(count);
+      std::iota(ids.begin(), ids.end(), 0);
+      const Ids wanted(count, 1);
+      for (const PairOptions& options :
+           {PairOptions(), PairOptions{.wanted = wanted}}) {
         std::vector<IdPair> pairs(1000, kCanary);
-        std::size_t calls = 0;
-        const auto function = [&](Span<const IdPair>) { ++calls; };
-        for (const PairOptions& options :
-             {PairOptions(), PairOptions{.wanted = wanted}}) {
-          const std::size_t before = memory.allocations;
-          EXPECT_GT(PairsOf(world, ids, Span<IdPair>(), options), 0u);
-          const std::size_t taken = memory.allocations - before;
-          EXPECT_EQ(taken == 0, is_changed && count < 64) << count;
-          EXPECT_EQ(memory.blocks, 1u);
-          for (std::size_t left = 0; left < taken; ++left) {
-            memory.left = left;
-            EXPECT_THROW((void)PairsOf(world, ids, pairs, options),
-                         std::bad_alloc);
-            memory.left = left;
-            EXPECT_THROW(ForEachPairOf(world, ids, function, options),
-                         std::bad_alloc);
-          }
-          EXPECT_EQ(std::count(pairs.begin(), pairs.end(), kCanary), 1000);
-          EXPECT_EQ(calls, 0u);
-          // Before anything is allocated.
-          memory.left = 0;
-          EXPECT_THROW((void)PairsOf(world, Ids{1, 30000}, pairs),
-                       std::invalid_argument);
-          memory.left = CountingMemory::kNoLimit;
-        }
-        memory.left = 0;
-        ForEachPair(world, function);
-        EXPECT_GT(calls, 0u);
-        memory.left = CountingMemory::kNoLimit;
+        const std::size_t taken = FailuresOf(
+            memory, [&] { EXPECT_GT(PairsOf(world, ids, pairs, options), 0u); },
+            [&] {
+              EXPECT_EQ(std::count(pairs.begin(), pairs.end(), kCanary), 1000);
+            });
+        EXPECT_EQ(taken == 0, is_changed && count < 64) << count;
+        calls = 0;
+        FailuresOf(
+            memory, [&] { ForEachPairOf(world, ids, function, options); },
+            [&] { EXPECT_EQ(calls, 0u); });
+        EXPECT_EQ(memory.blocks, 1u);
       }
     }
+    memory.left = 0;
+    ForEachPair(world, function);
+    // Before anything is allocated.
+    EXPECT_THROW((void)PairsOf(world, Ids{1, 30000}, {}),
+                 std::invalid_argument);
+    memory.left = CountingMemory::kNoLimit;
   }
 }
 
