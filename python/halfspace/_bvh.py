@@ -185,8 +185,8 @@ class BVH(Searches):
         """Writes the tree to a file for `map`.
 
         The file appears at `path` when it is complete and on the disk: a failure
-        leaves an older file as it was. Raises OSError if `path` is something other
-        than a regular file, such as a device.
+        leaves an older file as it was. Raises OSError with the reason, also if `path` is
+        something other than a regular file, such as a device.
         """
         self._check_is_not_exact()
         self._tree.save(os.fsencode(path))
