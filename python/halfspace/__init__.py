@@ -13,11 +13,10 @@
 from typing import List
 
 from ._broad_phase import BroadPhase
-from ._bvh import BVH, join
+from ._bvh import BVH, bounds_of_triangles, join
 from ._halfspace import targets as _targets
 from ._halfspace import version as __version__
 from ._scan import Scan
-from ._triangles import bounds_of_triangles
 
 __all__ = ["BVH", "BroadPhase", "Scan", "bounds_of_triangles", "join", "targets"]
 

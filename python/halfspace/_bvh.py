@@ -1,4 +1,4 @@
-"""The BVH."""
+"""The BVH, and the boxes of meshes."""
 
 from __future__ import annotations
 
@@ -185,8 +185,8 @@ class BVH(Searches):
         """Writes the tree to a file for `map`.
 
         The file appears at `path` when it is complete and on the disk: a failure
-        leaves an older file as it was. Raises OSError if `path` is something other
-        than a regular file, such as a device.
+        leaves an older file as it was. Raises OSError with the reason, also if `path` is
+        something other than a regular file, such as a device.
         """
         self._check_is_not_exact()
         self._tree.save(os.fsencode(path))
@@ -534,12 +534,6 @@ def join(
     exact, the join compares float64 boxes. The boxes of the other tree are the
     float32 boxes that it stores. To group the pairs by `i`, call `b.query` with
     the boxes of `a`.
-
-    >>> import halfspace as hs
-    >>> a = hs.BVH([[0, 0, 1, 1], [2, 2, 3, 3]])
-    >>> i, j = hs.join(a, hs.BVH([[1, 1, 2, 2]]))
-    >>> sorted(zip(i.tolist(), j.tolist()))
-    [(0, 0), (1, 0)]
     """
     for name, tree in (("a", a), ("b", b)):
         if not isinstance(tree, BVH):
@@ -550,6 +544,34 @@ def join(
         )
     how = _arrays.how(mask, threads, progress)
     return a._tree.pairs(b._tree, _arrays.margin(margin), how)
+
+
+def bounds_of_triangles(vertices: Any, faces: Any) -> np.ndarray:
+    """Returns the box of each triangle of a mesh.
+
+    Parameters
+    ----------
+    vertices : array_like, shape (v, 3) or (v, 2)
+    faces : array_like of integers, shape (n, 3)
+        Row i has the indices of the three vertices of triangle i.
+
+    Returns
+    -------
+    ndarray of float32, shape (n, 6) or (n, 4)
+        The minima, then the maxima, as `BVH` reads them. float64 is rounded
+        outward.
+    """
+    corners = _arrays.vertices(vertices, "vertices")
+    indices = _arrays.faces(faces, "faces", len(corners))
+    boxes, bad = _halfspace.bounds_of_triangles(corners, indices)
+    if bad:
+        # Boxes of everything.
+        row = int((boxes[:, 0] == np.finfo(np.float32).min).argmax())
+        raise ValueError(
+            f"vertices: expected finite coordinates below 2^125, got "
+            f"{corners[indices[row]].tolist()} in triangle {row}"
+        )
+    return boxes
 
 
 def _is_fast(quality: Any) -> bool:

@@ -36,10 +36,6 @@ class Scan:
         """Finds the objects that overlap boxes.
 
         As `BVH.query`, but the ids of a row ascend.
-
-        >>> import halfspace as hs
-        >>> hs.Scan([[0, 0, 1, 1], [2, 2, 3, 3]]).query([1, 1, 2, 2])
-        array([0, 1])
         """
         table = self._boxes(boxes)
         found = self._scan.query(table.arrays, _arrays.threads(threads))

@@ -27,11 +27,9 @@ hold few results at a time. In a task they secede from the worker's thread pool:
     for rows, ids in tree.query_batches(probes): ...
     paths = tree.query_batches(probes, to="out")
 
-How it works: a sample of the boxes is split at medians, one split for each further
-partition. Each object belongs to the one partition that has its center, so no pair is
-found twice. A partition is a `halfspace.BVH` in the memory of one worker. The bounds of
-the partitions form one more BVH, which every task gets. A probe goes to each partition
-that it overlaps. docs/scale.md has a picture, measurements and a model of the cost.
+How it works: each object belongs to the one partition that has its center, which is a
+`halfspace.BVH` in the memory of one worker. A probe goes to each partition that it
+overlaps. docs/scale.md has a picture, the steps, measurements and a model of the cost.
 
 A lost worker costs time only: Dask makes its partitions again from the source. So the
 source must stay readable, and must return the same boxes when it is read again. A lazy

@@ -275,6 +275,8 @@ BAD_CALLS = [
     (lambda: hs.BroadPhase(4), "dimensions: expected 2 or 3, got 4"),
     (lambda: hs.BroadPhase(kind="box"), 'kind: expected "aabb" or "aabo"'),
     (lambda: BODIES.update(-1), "budget: expected at least 0, got -1"),
+    (lambda: BODIES.load(b""), "data: expected"),
+    (lambda: BODIES.load(hs.BroadPhase(3).save()), "data: expected"),
     (
         lambda: BODIES.spherecast(TWO, 1, [[1, 0]] * 3),
         "directions: expected as many rows as centers",

@@ -81,13 +81,6 @@ def test_in_place_and_copied(tree, boxes):
     assert (copied.query(boxes) == tree.query(boxes)).all()
 
 
-def test_a_tree_keeps_its_buffer(tree, boxes):
-    expected = tree.query(boxes)
-    copy = hs.BVH.from_blob(tree.blob())
-    del tree
-    assert (copy.query(boxes) == expected).all()
-
-
 def test_a_blob_in_use_forbids_changes(tree):
     blob = tree.blob()
     with pytest.raises(BufferError, match="release it before you change"):

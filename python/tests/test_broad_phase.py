@@ -202,18 +202,6 @@ def test_copies_go_on_as_the_original(rng, dims, kind):
     assert copies[3].mark == 5
 
 
-def test_bytes_that_were_not_saved():
-    bodies = hs.BroadPhase(2)
-    bodies.insert(1, BOX)
-    state = bodies.save()
-    flat = hs.BroadPhase(3)
-    for other, data in ((bodies, state[:-1]), (bodies, b""), (flat, state)):
-        with pytest.raises(ValueError, match="expected"):
-            other.load(data)
-    assert len(bodies) == 1 and len(flat) == 0
-    assert bodies.query(BOX).tolist() == [1]
-
-
 def test_threads_move_and_query(dims):
     """Bodies that move inside of a box are always found there."""
     n = 3000

@@ -45,18 +45,13 @@ def test_bad_meshes(vertices, faces, error, message):
 def test_targets():
     names = hs.targets()
     assert names and all(isinstance(name, str) for name in names)
-    for name in names[-1:] + ["NONE"]:
-        code = "import halfspace as hs; print(hs.BVH([[0,0,1,1]]).query([1,1,2,2]))"
-        run = subprocess.run(
-            [sys.executable, "-c", code],
-            env={**os.environ, "HALFSPACE_TARGET": name},
-            capture_output=True,
-            text=True,
-        )
-        if name == "NONE":
-            assert "ValueError: HALFSPACE_TARGET: " in run.stderr and "NONE" in run.stderr
-        else:
-            assert run.stdout == "[0]\n"
+    run = subprocess.run(
+        [sys.executable, "-c", "import halfspace as hs; hs.BVH([[0, 0, 1, 1]])"],
+        env={**os.environ, "HALFSPACE_TARGET": "NONE"},
+        capture_output=True,
+        text=True,
+    )
+    assert "ValueError: HALFSPACE_TARGET: " in run.stderr and "NONE" in run.stderr
 
 
 # More than 8191 queries of a large tree are sorted first.
