@@ -73,6 +73,10 @@ TEST(BvhKnownTest, ShapesRejectWhatTheirBoundsKeep) {
   EXPECT_EQ(found(Capsule3{{0, 0, 0}, {10, 10, 10}, 0.5f}), (Ids{0, 2, 3}));
   EXPECT_EQ(found(Sphere3{{10, 10, 10}, 4.0f}), (Ids{2}));
   EXPECT_EQ(found(Sphere3{{10, 10, 10}, 9.0f}), (Ids{2, 3}));
+  EXPECT_EQ(found(RoundedBox3{{{0, 1.5f, 0}, {10, 1.5f, 10}}, 1}), (Ids{0, 1}));
+  const Aabb3 beside = {{10.5f, 1.5f, 1.5f}, {20, 20, 20}};
+  EXPECT_EQ(found(RoundedBox3{beside, 0.7f}), Ids{2});
+  EXPECT_EQ(found(RoundedBox3{beside, 0.9f}), (Ids{1, 2}));
   const HalfSpace3 half_spaces[] = {{{1, 0, 0}, -6}, {{0, -1, 0}, 6}};
   EXPECT_EQ(found(half_spaces), (Ids{1, 3}));
   EXPECT_EQ(found(Span<const HalfSpace3>(half_spaces)), (Ids{1, 3}));
@@ -166,7 +170,7 @@ TEST(BvhKnownTest, FunctionsSayWhetherACallGoesOn) {
 // Sets in a world of more blocks than the sets have room for: near each other,
 // far apart, and at distances that are powers of two.
 TEST(BvhPairsTest, OfSetsAmongManyAreThoseOfAllPairsThatTouchTheSet) {
-  const std::vector<Aabb3> world = Spread(1.5f).Some(64 * 1024);
+  const std::vector<Aabb3> world = Spread(1.0f).Some(64 * 1024);
   AabbBvh3 bvh(world, {.quality = BuildQuality::kFast});
   std::vector<IdPair> all(Pairs(bvh, Span<IdPair>()));
   ASSERT_EQ(Pairs(bvh, all), all.size());
