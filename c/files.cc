@@ -26,6 +26,9 @@ namespace {
 
 [[noreturn]] void FailFile(const Call& call, const char* path, const char* what,
                            const std::error_code& error) {
+#if !defined(_WIN32)
+  errno = error.value();
+#endif
   call.Fail(HS_IO_ERROR, "path", "\"%.256s\" cannot be %s: %s", path, what,
             error.message().c_str());
 }

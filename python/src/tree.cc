@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -416,16 +417,23 @@ const char* PathOf(const std::string& path) {
   return path.c_str();
 }
 
-// Calls a function of C that reads or writes files.
+// Calls a function of C that reads or writes files. The error is the subclass
+// of OSError that belongs to errno.
 template <typename Call>
 void CallFile(const Call& call) {
   hs_status status = HS_OK;
+  int error = 0;
   {
     const py::gil_scoped_release release;
+    errno = 0;
     status = call();
+    error = errno;
   }
   if (status == HS_IO_ERROR) {
-    PyErr_SetString(PyExc_OSError, hs_last_error_reason());
+    const py::str reason(hs_last_error_reason());
+    py::object arguments = reason;
+    if (error != 0) arguments = py::make_tuple(error, reason);
+    PyErr_SetObject(PyExc_OSError, arguments.ptr());
     throw py::error_already_set();
   }
   Check(status);

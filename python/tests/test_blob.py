@@ -1,5 +1,6 @@
 """Trees as bytes: pickles, files and buffers."""
 
+import errno
 import os
 import pickle
 
@@ -127,9 +128,10 @@ def test_an_altered_body(tree, boxes, tmp_path):
 
 
 def test_files_that_cannot_be_written(tree, tmp_path):
-    for path in (tmp_path, tmp_path / "no" / "tree"):
-        with pytest.raises(OSError, match=str(path)):
+    for path, error in ((tmp_path, OSError), (tmp_path / "no" / "tree", FileNotFoundError)):
+        with pytest.raises(error, match=str(path)) as raised:
             tree.save(path)
+        assert raised.value.errno in (errno.EISDIR, errno.ENOENT)
     with pytest.raises(ValueError, match="path: embedded null byte"):
         tree.save(f"{tmp_path}/tree\0more")
     assert os.listdir(tmp_path) == []
@@ -162,7 +164,7 @@ def test_chunks_that_are_none(boxes, tree, tmp_path):
         (path, interrupted(), KeyboardInterrupt, ""),
         (path, boxes, TypeError, "chunks: expected a list or an iterator"),
         (f"{path}\0more", [boxes], ValueError, "path: embedded null byte"),
-        (tmp_path / "no folder" / "tree", [boxes], OSError, "cannot be created"),
+        (tmp_path / "no folder" / "tree", [boxes], FileNotFoundError, "cannot be created"),
         (tmp_path, [boxes], OSError, "cannot be written"),
     ):
         with pytest.raises(error, match=text) as raised:

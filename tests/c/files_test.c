@@ -1,5 +1,6 @@
 // Hierarchies as bytes and files, also those that are none.
 #define _POSIX_C_SOURCE 200809L  // lstat(), symlink()
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -278,6 +279,9 @@ static void test_paths(const hs_bvh* bvh) {
 #if defined(_WIN32)
   // The text of the error is the system's.
   CHECK(hs_bvh_load(&box3, "c_test_none", &none) == HS_IO_ERROR);
+#if !defined(_WIN32)
+  CHECK(errno == ENOENT);
+#endif
   CHECK(strstr(hs_last_error(),
                "hs_bvh_load: path: \"c_test_none\" cannot be opened: ") ==
         hs_last_error());

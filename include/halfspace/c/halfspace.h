@@ -98,7 +98,8 @@ typedef enum hs_status HALFSPACE_INT {
   HS_OK = 0,
   HS_INVALID_ARGUMENT = 1,  // an argument violates what the function requires
   HS_OUT_OF_MEMORY = 2,     // an allocation failed
-  HS_IO_ERROR = 3,          // a file cannot be read or written
+  HS_IO_ERROR = 3,          // a file cannot be read or written; except on
+                            // Windows, errno says why
   HS_CORRUPT = 4,           // a file or bytes contain no BVH or broad phase,
                             // were altered, or have another kind of bounds
   HS_UNSUPPORTED = 5,       // not available on this system
