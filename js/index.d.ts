@@ -102,7 +102,7 @@ export class BVH {
   dispose(): void;
 }
 
-/** The id that stands for "none" in nearestMany() and raycastMany(). */
+/** The id that stands for "none" in nearestMany(), raycastMany() and closestPoints(). */
 export const NO_ID: 4294967295;
 
 /** The version of the library. */

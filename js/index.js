@@ -245,8 +245,8 @@ export class BVH {
     return withRows(array, 2 * this.#dimensions, run);
   }
 
-  // What call(rows, triangles, ...addresses) writes: for each row so many ids, and so many
-  // numbers of each kind.
+  // Returns what call(rows, triangles, ...addresses) writes: `most` ids of each row, and so
+  // many numbers of each row as `numbers` says.
   #answers(array, values, [most, ...numbers], call, triangles) {
     this.#open();
     return withRows(array, values, (rows, count, allocate) => {
@@ -257,7 +257,7 @@ export class BVH {
     });
   }
 
-  // The ids that rows of boxes, or of what the options name, find.
+  // Returns the ids that the queries find. The options name their shape.
   #found(rows, options, offsets) {
     const bvh = this.#open();
     let total;
@@ -315,6 +315,7 @@ export class BVH {
 
   within(point, radius) {
     const center = rowOf('point', point, this.#dimensions);
+    expect(Number(radius) >= 0, 'radius', 'a number that is not negative', radius);
     // The sphere of floats encloses that of doubles.
     const apart = Math.hypot(...center.map((value) => value - Math.fround(value) || 0));
     const enclosing = (Number(radius) + 1.000001 * apart) * (1 + 2 ** -23);

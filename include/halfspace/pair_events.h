@@ -36,8 +36,8 @@
 // Cost: that of the search (bvh_pairs.h), and 1.1 to 1.6 times as long in total
 // if all objects move a little. With a list of ids, the search costs as
 // PairsOf(), and each pair of the last Update() takes 0.4 to 1 ns. Such a call
-// uses up to 24 KiB of stack. Of some ten objects it allocates only room for
-// pairs that began or ended.
+// uses up to 24 KiB of stack. With a list of about ten ids, it allocates memory
+// only for the pairs that began or ended.
 #ifndef HALFSPACE_PAIR_EVENTS_H_
 #define HALFSPACE_PAIR_EVENTS_H_
 

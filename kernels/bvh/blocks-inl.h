@@ -362,18 +362,18 @@ HWY_NOINLINE bool IsRegular(const detail::BvhLevel& level, size_t block) {
   if (level.present[block] != all) return false;
   if (level.regular != nullptr) return level.regular[block] == all;
   const hn::CappedTag<float, 16> d;
-  uint64_t ordered = 0;
-  for (size_t i = 0; i < count; i += hn::Lanes(d)) {
-    const auto is_ordered = [&](size_t k) HWY_ATTR {
-      return hn::Le(hn::LoadU(d, level.Plane(block, k) + i),
-                    hn::LoadU(d, level.Plane(block, kAxes + k) + i));
-    };
-    auto all_axes = is_ordered(0);
-    for (size_t k = 1; k < kAxes; ++k)
-      all_axes = hn::And(all_axes, is_ordered(k));
-    ordered |= LaneBits(d, all_axes) << i;
+  uint64_t left = all;
+  for (size_t i = 0; left != 0; i += hn::Lanes(d), left >>= hn::Lanes(d)) {
+    auto ordered = hn::Le(hn::LoadU(d, level.Plane(block, 0) + i),
+                          hn::LoadU(d, level.Plane(block, kAxes) + i));
+    for (size_t k = 1; k < kAxes; ++k) {
+      ordered = hn::And(
+          ordered, hn::Le(hn::LoadU(d, level.Plane(block, k) + i),
+                          hn::LoadU(d, level.Plane(block, kAxes + k) + i)));
+    }
+    if ((left & LaneBits(d, hn::Not(ordered))) != 0) return false;
   }
-  return (~ordered & all) == 0;
+  return true;
 }
 
 // If more objects of a block have changed, all of it is encoded.

@@ -659,10 +659,15 @@ def _write_pairs(pairs_in, partition: _Partition, piece, prefix: str, most: int,
     for pairs, begin, _ in _batches(pairs_in, partition, piece, most, ranges):
         path = f"{prefix}-{begin:09}.npy"
         pairs = np.ascontiguousarray(pairs)  # which NumPy writes in one piece
-        temporary = f"{path}.{uuid.uuid4().hex}.tmp"
-        with open(temporary, "wb") as file:
-            np.save(file, pairs)
-        os.replace(temporary, path)
+        temporary = f"{path}.{uuid.uuid4().hex[:8]}.tmp"
+        try:
+            with open(temporary, "wb") as file:
+                np.save(file, pairs)
+            os.replace(temporary, path)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                os.unlink(temporary)
+            raise
         paths.append(path)
     return paths, []
 

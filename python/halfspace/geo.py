@@ -426,7 +426,7 @@ def _writer_of_bounds() -> Callable[[int, int], Any]:
     from shapely.geos import lgeos  # type: ignore
 
     handle = lgeos.geos_handle
-    library = ctypes.PyDLL(None, handle=lgeos._lgeos._handle)
+    library = ctypes.PyDLL(lgeos._lgeos._name, handle=lgeos._lgeos._handle)
 
     def call(name: str, outputs: int) -> Any:
         function = library[name]

@@ -427,7 +427,9 @@ void CallFile(const Call& call) {
     const py::gil_scoped_release release;
     errno = 0;
     status = call();
+#if !defined(_WIN32)
     error = errno;
+#endif
   }
   if (status == HS_IO_ERROR) {
     const py::str reason(hs_last_error_reason());

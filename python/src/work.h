@@ -61,7 +61,8 @@ class Work {
       std::chrono::steady_clock::now();
 };
 
-// What how() of _arrays.py returns: the mask, the threads and the progress.
+// The tuple that how() of _arrays.py returns: the mask, the threads and the
+// progress.
 inline std::uint32_t MaskOf(const pybind11::tuple& how) {
   return how[0].cast<std::uint32_t>();
 }

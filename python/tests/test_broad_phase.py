@@ -90,6 +90,8 @@ def test_a_history(rng, dims, kind):
     collides_with[ids[60:80]] = 2
     bodies.set_masks(ids[60:80], categories[ids[60:80]], 2)
     bodies.set_masks(ids[50:60], 1, ALL)
+    categories[ids[80:90]] = ALL
+    bodies.set_masks(ids[80:90], None, None)
     check()
     bodies.rebuild(threads=2)
     bodies.update(0)

@@ -240,6 +240,7 @@ static float no_hit(void* context, size_t cast, uint32_t id, float t) {
   INVALID(function, arguments, "ids[1]: expected the id of a body, got 900")
 
 static void test_handles_and_outputs(void) {
+  const hs_id_pair swapped = {2, 1};
   hs_pair_event_options event_options;
   hs_pair_events* events = NULL;
   const hs_scan_config scan_config = scan_config_of(HS_BOX3, 0);
@@ -275,6 +276,8 @@ static void test_handles_and_outputs(void) {
           "ids: expected a size that fits the address space, got "
           "18446744073709551615 elements");
   NOT_NULL(hs_bvh_probe, (bvh, &columns, NULL, NULL, NULL), "function");
+  INVALID(hs_bvh_reserve, (bvh, (size_t)1 << 31),
+          "objects: expected fewer than 2^31 objects in all, got 2147483648");
   INVALID(hs_bvh_erase, (bvh, ids, 2),
           "ids[1]: expected the id of an object, got 7");
   CHECK_OK(hs_bvh_size(bvh, &total));
@@ -330,6 +333,8 @@ static void test_handles_and_outputs(void) {
   INVALID(
       hs_pair_events_update, (events, bvh, &event_options),
       "options->margin: expected a finite number that is not negative, got -1");
+  INVALID(hs_pair_events_load, (events, &swapped, 1),
+          "pairs[0]: expected a < b < 4294967295, got 2 and 1");
   NOT_NULL(hs_pair_events_began, (events, NULL, &total), "pairs");
   hs_pair_events_destroy(events);
   INVALID(hs_bvh_pairs, (simplex, NULL, &pair, 1, &total),
@@ -366,6 +371,8 @@ static void test_bodies(void) {
   const double doubles[] = {0, 0, 1, 2};
   const float motion[] = {1, 0, -1};
   const uint32_t ids[] = {5, 900};
+  const uint32_t large[] = {5, (uint32_t)1 << 31};
+  const hs_body_masks masks[] = {{1, 1}, {1, 1}};
   hs_columns columns = hs_float_rows(boxes, 2, 4);
   hs_columns one = hs_float_rows(boxes, 1, 4);
   hs_columns motions = hs_float_rows(motion, 1, 3);
@@ -388,8 +395,11 @@ static void test_bodies(void) {
   CHECK(bodies == NULL);
   CHECK_OK(hs_broad_phase_create(&config, &bodies));
   NOT_NULL(hs_broad_phase_insert, (bodies, NULL, &columns, NULL), "ids");
+  INVALID(hs_broad_phase_insert, (bodies, large, &columns, NULL),
+          "ids[1]: expected an id below 2^31, got 2147483648");
   CHECK_OK(hs_broad_phase_insert(bodies, ids, &one, NULL));
   NO_BODY(hs_broad_phase_move, (bodies, ids, &columns));
+  NO_BODY(hs_broad_phase_set_masks, (bodies, ids, masks, 2));
   NOT_NULL(hs_broad_phase_set_masks, (bodies, ids, NULL, 1), "masks");
   NO_BODY(hs_broad_phase_get, (bodies, ids, 2, NULL, NULL));
   one = hs_double_rows(doubles, 1, 3);

@@ -104,7 +104,7 @@ inline void ChangeAltered(AnyBvh& world, std::size_t what, const Planes& bound,
 }
 
 // Loads the bytes again for each change, and for queries. Returns how often
-// something was refused.
+// the bytes or a query were refused.
 inline std::size_t UseAltered(const Layout& layout, Span<const std::byte> blob,
                               const MemoryResource& memory, Random& random) {
   std::size_t refused = 0;
@@ -112,8 +112,13 @@ inline std::size_t UseAltered(const Layout& layout, Span<const std::byte> blob,
     try {
       const auto world = LoadBvh(layout, blob, random() % 2 == 0, memory);
       for (std::size_t step = 0; first < kAlteredChanges && step < 4; ++step) {
-        ChangeAltered(*world, step == 0 ? first : random() % kAlteredChanges,
-                      step % 2 == 0 ? EverythingOf(layout) : Planes{}, random);
+        try {
+          ChangeAltered(*world, step == 0 ? first : random() % kAlteredChanges,
+                        step % 2 == 0 ? EverythingOf(layout) : Planes{},
+                        random);
+        } catch (const std::invalid_argument&) {
+          // A refused change must leave a tree that can be used.
+        }
       }
       if (first == kAlteredChanges || random() % 8 == 0) {
         AskAltered(*world, random);
