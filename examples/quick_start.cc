@@ -5,7 +5,7 @@
 
 int main() {
   using halfspace::BoundSphere, halfspace::Sphere3;
-  halfspace::AaboBroadPhase3 bodies;  // bounds are 8-DOPs
+  halfspace::AaboBroadPhase3 bodies;  // 8-DOPs; AabbBroadPhase3: boxes
   bodies.Insert(0, BoundSphere(Sphere3{{0, 0, 0}, 1}));
   bodies.Insert(1, BoundSphere(Sphere3{{9, 0, 0}, 1}));
   bodies.Move(1, BoundSphere(Sphere3{{1, 1, 0}, 1}));
