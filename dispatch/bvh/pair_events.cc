@@ -423,6 +423,14 @@ class Difference {
   PairList& began_;
 };
 
+// One more than the greatest id of the pairs, and at least `least`. Objects of
+// an altered blob have any ids.
+std::size_t LimitOf(Span<const IdPair> pairs, std::size_t least) {
+  std::uint32_t greatest = 0;
+  for (const IdPair& pair : pairs) greatest = std::max(greatest, pair.b);
+  return std::max(least, std::size_t{greatest} + 1);
+}
+
 // A set of ids below a limit. Other ids are left out. It has a byte for each
 // id, because a bit takes a third longer to read.
 class IdSet {
@@ -549,7 +557,7 @@ void PairEventsCore::UpdateAll(const PairSources& sources,
   PairList its_began(began, memory());
   PairList its_ended(ended, memory());
   swap(pairs_, now);
-  id_limit_ = sources.a->id_limit();
+  id_limit_ = LimitOf(pairs_.span(), sources.a->id_limit());
   swap(began_, its_began);
   swap(ended_, its_ended);
 }
@@ -585,7 +593,7 @@ void PairEventsCore::UpdateSome(const PairSources& sources,
   pairs_.Reserve(removal.size() + found.size());
   removal.Keep();
   pairs_.Append(found.span());
-  id_limit_ = std::max(id_limit_, tree.id_limit());
+  id_limit_ = LimitOf(found.span(), std::max(id_limit_, tree.id_limit()));
   swap(began_, its_began);
   swap(ended_, its_ended);
 }

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <map>
 #include <new>
 #include <random>
@@ -414,6 +415,28 @@ TEST(PairOrderTest, IsThatOfTheTree) {
     }
   }
   EXPECT_GT(both, 1000u);
+}
+
+// Bytes that nobody verifies. No id is read behind a table of ids.
+TEST(PairEventsOfBlobTest, AnAlteredIdIsHarmless) {
+  std::vector<Aabb2> boxes;
+  for (int i = 0; i < 300; ++i) {
+    const auto x = static_cast<float>(i);
+    boxes.push_back({{x, 0}, {x + 1, 1}});
+  }
+  const AabbBvh2 tree(boxes);
+  const Span<const std::byte> blob = tree.Blob();
+  std::vector<std::byte> bytes(blob.begin(), blob.end());
+  const auto* const ids = reinterpret_cast<const std::byte*>(tree.ids().data());
+  const std::uint32_t large = 900'000;
+  std::memcpy(bytes.data() + (ids - blob.data()) + 17 * sizeof(large), &large,
+              sizeof(large));
+  const AabbBvh2 altered = AabbBvh2::FromBlob(bytes);
+  PairEvents events;
+  events.Update(altered);
+  EXPECT_EQ(events.size(), 299u);
+  events.Update(altered, std::vector<std::uint32_t>{0, 1});
+  EXPECT_EQ(events.size(), 299u);
 }
 
 }  // namespace
