@@ -21,7 +21,9 @@ namespace {
 
 constexpr hs_query_options kQueryDefaults = {
     sizeof(hs_query_options), 0xFFFFFFFF, HS_SHAPE_BOUND, 0, nullptr, 0};
+
 static_assert(HS_NO_ID == detail::kNoId);
+
 // Queries, after their checks.
 struct Queries {
   template <typename World>

@@ -79,7 +79,7 @@ TEST(NoAllocationTest, BuildersOfMany) {
   }
 }
 
-// A frame whose pairs stay as they are.
+// In this frame no pair begins or ends.
 TEST(NoAllocationTest, FramesOfFewBodies) {
   std::vector<Aabb2> boxes;
   std::vector<std::uint32_t> ids;
