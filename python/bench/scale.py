@@ -74,26 +74,42 @@ def drain(batches):
     return first, count
 
 
+def chunks(world, rows, side, first, some=range(CHUNKS)):
+    return [world(first + chunk, rows // CHUNKS, side) for chunk in some]
+
+
+def whole(world, objects, side):
+    return hs.BVH(np.concatenate(chunks(world, objects, side, 0)))
+
+
+def write(tree, world, probes, side, some, directory):
+    for i, chunk in zip(some, chunks(world, probes, side, 1000, some)):
+        np.save(os.path.join(directory, f"{i}.npy"), tree.query(chunk))
+
+
 def one_process(world, objects, probes, side):
     """One process that makes the same chunks, and joins them chunk by chunk."""
-    each = objects // CHUNKS
-
-    def read(rows, first):
-        return [world(first + chunk, rows // CHUNKS, side) for chunk in range(CHUNKS)]
-
-    build, tree = seconds(lambda: hs.BVH(np.concatenate(read(objects, 0))))
-
-    def probe():
-        return sum(len(tree.query(chunk)[0]) for chunk in read(probes, 1000))
-
-    def write(directory):
-        for i, chunk in enumerate(read(probes, 1000)):
-            np.save(os.path.join(directory, f"{i}.npy"), tree.query(chunk))
-
-    join, count = seconds(probe)
+    build, tree = seconds(lambda: whole(world, objects, side))
+    join, count = seconds(lambda: sum(len(tree.query(chunk)[0])
+                                      for chunk in chunks(world, probes, side, 1000)))
     with tempfile.TemporaryDirectory() as directory:
-        files, _ = seconds(lambda: write(directory))
+        files, _ = seconds(lambda: write(tree, world, probes, side, range(CHUNKS), directory))
     return build, join, files, count
+
+
+def each_alone(client, world, objects, probes, side):
+    """The most that two processes of this machine reach: each has a tree of all objects,
+    and joins half of the chunks in one task, without routing."""
+    workers = list(client.scheduler_info()["workers"])
+    trees = [client.submit(whole, world, objects, side, workers=[worker], pure=False)
+             for worker in workers]
+    distributed.wait(trees)
+    with tempfile.TemporaryDirectory() as directory:
+        files, _ = seconds(lambda: client.gather(
+            [client.submit(write, tree, world, probes, side, range(CHUNKS)[first::WORKERS],
+                           directory, workers=[worker], pure=False)
+             for first, (tree, worker) in enumerate(zip(trees, workers))]))
+    return files
 
 
 def task_seconds(client):
@@ -210,11 +226,12 @@ def measure(client, name, world, objects, probes, side, repetitions):
             sys.exit(f"{name}: {count1} pairs in one process, {count2} streamed and {count3} "
                      "in files on the cluster")
         sizes = spread_tree.sizes.compute()
+        del spread_tree
+        alone = each_alone(client, world, objects, probes, side)
         runs.append({"build 1": build1, "build 2": build2, "join 1": join1, "join 2": join2,
                      "files 1": files1, "files 2": files2, "first": first, "pairs": count1,
                      "moved build": moved_build, "moved join": moved_join,
-                     "most": sizes.max() / sizes.mean()})
-        del spread_tree
+                     "alone 2": alone, "most": sizes.max() / sizes.mean()})
     return {key: [run[key] for run in runs] for key in runs[0]}
 
 
@@ -254,7 +271,9 @@ def main():
          for step, part, cluster, moved in (("build", "build", "build", "moved build"),
                                             ("join, pairs to the client", "join", "join",
                                              "moved join"),
-                                            ("join, pairs to files", "files", "files", None))],
+                                            ("join, pairs to files", "files", "files", None),
+                                            ("the same, each worker with the whole tree",
+                                             "files", "alone", None))],
         [f"{name}: {report.median(run['pairs']):,} pairs; first batch after "
          f"{report.median(run['first']):.2f} s; the largest partition has "
          f"{report.median(run['most']):.2f} times the mean number of objects."

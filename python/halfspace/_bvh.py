@@ -208,14 +208,14 @@ class BVH(Searches):
         return super()._query(table, how)
 
     def _is_join_faster(self, table: _arrays.Table, mask: int) -> bool:
-        # As measured with 10^3 to 10^6 objects and 10^4 to 10^6 queries. With fewer
+        # As measured with 64 to 10^6 objects and 4096 to 2 * 10^6 queries. With fewer
         # queries the leaves of their tree are too large, more so in 3 dimensions, and
-        # a join reads more: it takes up to 5 times as long. With many results it takes
-        # up to twice as long, because it sorts them. The row of a query is an id in
-        # their tree.
+        # a join reads more: it takes up to 5 times as long. In fewer than some 128
+        # objects, or with many results, it takes up to twice as long, because it sorts
+        # the queries and the results.
         size = len(self)
         least = size // (10 if self.dims == 2 else 4)
-        if not least <= table.length < _arrays.MOST_OBJECTS:
+        if size < 128 or not least <= table.length < _arrays.MOST_OBJECTS:
             return False
         step = table.length // 64
         sample = tuple(a[: 64 * step : step] for a in table.arrays)

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <mutex>
 #include <numeric>
@@ -538,9 +539,6 @@ Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b,
   std::size_t leaves = 0;
   Check(hs_bvh_pair_parts(a, &leaves));
   const std::size_t parts = PartsOf(leaves, kPartLeaves);
-  std::size_t size = 0;
-  Check(hs_bvh_size(a, &size));
-  work.SetStage(0, size, size);
   Results<hs_id_pair> results(parts, work.threads(), 4096);
   work.Run(parts, [&](std::size_t part, std::size_t thread) {
     hs_pair_options its = options;
@@ -580,41 +578,56 @@ void FillRows(const std::vector<std::size_t>& ends, std::int64_t* rows,
   });
 }
 
-// Sorts the queries into a tree of their own and joins the trees: queries that
+// Sorts the queries into trees of their own and joins the trees: queries that
 // are near each other share what they read. Then sorts the pairs by row.
 Ids QueryByJoin(Tree& tree, const py::tuple& arrays, const py::tuple& how) {
   const Columns boxes(arrays);
   hs_pair_options options = DefaultOf(&hs_pair_options_default);
   options.mask = MaskOf(how);
   Work work = WorkOf(how);
+  Work building(work.threads(), py::none());
   const Reading reading(tree);
-  const auto results = [&] {
-    const py::gil_scoped_release release;
-    const Bvh queries = Build(boxes, /*is_fast=*/true, work,
-                              /*progress_end=*/0);
-    std::vector<double> rows(tree.is_exact ? boxes.size * boxes.count : 0);
-    if (tree.is_exact) ReadRows(boxes, nullptr, rows.data());
-    return FindPairs(queries.get(), tree.get(), options, work,
-                     KeeperOf(rows, tree.doubles, tree.dims, 0));
-  }();
-  const std::size_t parts = results.lists.size();
+  std::vector<std::vector<hs_id_pair>> lists;
   std::vector<std::size_t> ends(boxes.count);
   {
     const py::gil_scoped_release release;
-    work.SetLastStage();
-    // All pairs of a row are in one part.
-    work.Run(parts, [&](std::size_t part, std::size_t) {
-      for (const hs_id_pair& pair : results.lists[part]) ++ends[pair.a];
-    });
+    std::size_t size = 0;
+    Check(hs_bvh_size(tree.get(), &size));
+    // The tree of 2^18 queries stays in the cache: all of 2 * 10^6 in one take
+    // twice as long. Few queries share too little of a large tree.
+    const std::size_t most = std::max(std::size_t{1} << 18, size);
+    for (std::size_t first = 0; first < boxes.count; first += most) {
+      Columns some = boxes;
+      static_cast<hs_columns&>(some) = boxes.Rows(first, most);
+      const Bvh queries = Build(some, /*is_fast=*/true, building,
+                                /*progress_end=*/0);
+      std::vector<double> rows(tree.is_exact ? some.size * some.count : 0);
+      if (tree.is_exact) ReadRows(some, nullptr, rows.data());
+      const auto keep = KeeperOf(rows, tree.doubles, tree.dims, 0);
+      work.SetStage(first, first + some.count, boxes.count);
+      auto found = FindPairs(queries.get(), tree.get(), options, work,
+                             [&](std::span<hs_id_pair> pairs) {
+                               const std::size_t kept = keep(pairs);
+                               // All pairs of a row are in one part.
+                               for (hs_id_pair& pair : pairs.first(kept)) {
+                                 pair.a += static_cast<std::uint32_t>(first);
+                                 ++ends[pair.a];
+                               }
+                               return kept;
+                             });
+      std::move(found.lists.begin(), found.lists.end(),
+                std::back_inserter(lists));
+    }
     std::partial_sum(ends.begin(), ends.end(), ends.begin());
   }
   const std::size_t found = ends.empty() ? 0 : ends.back();
   Ids ids(std::vector<std::size_t>{2, found});
   std::int64_t* const rows = ids.mutable_data();
   const py::gil_scoped_release release;
+  work.SetLastStage();
   FillRows(ends, rows, work);
-  work.Run(parts, [&](std::size_t part, std::size_t) {
-    for (const hs_id_pair& pair : results.lists[part]) {
+  work.Run(lists.size(), [&](std::size_t part, std::size_t) {
+    for (const hs_id_pair& pair : lists[part]) {
       rows[found + --ends[pair.a]] = pair.b;
     }
   });
@@ -676,6 +689,9 @@ Ids PairsOf(Tree& tree, Tree* b, float margin, const py::tuple& how) {
       made = DoublesOf(tree.is_exact ? other : tree);
       (tree.is_exact ? of_b : of_a) = made;
     }
+    std::size_t size = 0;
+    Check(hs_bvh_size(tree.get(), &size));
+    work.SetStage(0, size, size);
     return FindPairs(tree.get(), b == nullptr ? nullptr : b->get(), options,
                      work, KeeperOf(of_a, of_b, tree.dims, margin));
   }();

@@ -320,6 +320,20 @@ def test_threads_do_not_change_results(boxes, queries):
 
 
 @pytest.mark.parametrize("exact", [False, True])
+def test_many_queries_of_a_small_tree(rng, dims, exact):
+    """More than one tree of queries holds. Fewer than 4096 have none."""
+    tree = hs.BVH(random_boxes(rng, 300, dims, 0.1, np.float64), exact=exact)
+    queries = random_boxes(rng, 2**18 + 5000, dims, 0.01, np.float64)
+    done = []
+    rows, ids = tree.query(queries, threads=2, progress=lambda *its: done.append(its))
+    assert done == sorted(done) and done[-1] == (len(queries), len(queries))
+    for some in (slice(0, 4000), slice(2**18 - 2000, 2**18 + 2000), slice(2**18 + 1001, None)):
+        its = (some.start <= rows) & (rows < (some.stop or len(queries)))
+        found = np.array([rows[its] - some.start, ids[its]])
+        assert (in_order(found) == in_order(tree.query(queries[some]))).all()
+
+
+@pytest.mark.parametrize("exact", [False, True])
 def test_many_queries_of_a_large_tree(rng, dims, exact):
     """They are sorted first. Fewer are not, and find the same."""
     size = 1_000_000 if dims == 2 else 200_000
