@@ -13,6 +13,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -249,17 +250,6 @@ void WaitUntilOpen(Tree& tree, Tree& other) {
 }
 void WaitUntilOpen(Tree& tree) { WaitUntilOpen(tree, tree); }
 
-// Lets the calls go first that have waited for an owner before: a thread that
-// owns a tree again and again would never give up the interpreter's lock in
-// between. Not for long, since such a call can wait for another tree that this
-// thread owns.
-void StandBack(const Tree& tree) {
-  using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + std::chrono::milliseconds(50);
-  TheWaiters().WaitUntil(
-      [&] { return tree.waiting == 0 || Clock::now() >= end; });
-}
-
 void CheckRefitted(const Tree& tree) {
   if (!tree.is_half_refitted) return;
   throw std::runtime_error(
@@ -306,7 +296,15 @@ void Own(Tree& tree) {
     throw std::runtime_error(
         "changing() was called inside of a call of the same BVH");
   }
-  if (tree.owner == 0 && tree.waiting != 0) StandBack(tree);
+  // Lets the calls go first that have waited for an owner before: a thread that
+  // owns a tree again and again would never give up the interpreter's lock in
+  // between. Not for long, since such a call can wait for another tree that
+  // this thread owns.
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + std::chrono::milliseconds(50);
+  TheWaiters().WaitUntil([&] {
+    return tree.owner != 0 || tree.waiting == 0 || Clock::now() >= end;
+  });
   WaitUntilOpen(tree);
   tree.owner = self;
   ++tree.owned;
@@ -359,12 +357,12 @@ void Change(Tree& tree, const Function& change, bool is_refit = false) {
 }
 
 // With the interpreter's lock: a refit does not change sizes.
-template <hs_status (*kSize)(const hs_bvh*, std::size_t*)>
-std::size_t Ask(Tree& tree) {
-  const Reading reading(tree, /*is_refit=*/true);
-  std::size_t size = 0;
-  Check(kSize(tree.get(), &size));
-  return size;
+template <typename Value, hs_status (*kFunction)(const hs_bvh*, Value*)>
+Value Ask(Tree& tree) {
+  const Reading reading(tree, /*is_refit=*/std::is_integral_v<Value>);
+  Value value{};
+  Check(kFunction(tree.get(), &value));
+  return value;
 }
 
 hs_bvh_config ConfigOf(std::size_t dims, bool is_fast = false) {
@@ -374,14 +372,14 @@ hs_bvh_config ConfigOf(std::size_t dims, bool is_fast = false) {
   return config;
 }
 
-Bvh Build(const Columns& boxes, bool is_fast, Work& work,
+Bvh Build(const hs_columns& boxes, std::size_t dims, bool is_fast, Work& work,
           std::size_t progress_end) {
   const bool is_double = boxes.type == HS_FLOAT64;
   // Doubles are rounded, then centers, six splits, a sort and a copy; or
   // centers and a copy.
   Threads threads{work, (is_double ? 1u : 0u) + (is_fast ? 2u : 9u),
                   progress_end, boxes.count};
-  hs_bvh_config config = ConfigOf(boxes.size / 2, is_fast);
+  hs_bvh_config config = ConfigOf(dims, is_fast);
   config.run = &Threads::Run;
   config.run_context = &threads;
   hs_bvh* bvh = nullptr;
@@ -397,7 +395,7 @@ std::unique_ptr<Tree> MakeTree(const py::tuple& arrays, bool is_fast,
   auto tree = std::make_unique<Tree>();
   tree->dims = boxes.size / 2;
   const py::gil_scoped_release release;
-  tree->bvh = Build(boxes, is_fast, work, boxes.count);
+  tree->bvh = Build(boxes, tree->dims, is_fast, work, boxes.count);
   tree->is_exact = is_exact;
   tree->Grow(boxes.count);
   tree->Store(nullptr, boxes);
@@ -475,17 +473,20 @@ class FileBuilder {
 };
 
 // In place if the bytes are aligned, and else a copy. `blob` is an array of
-// bytes.
-std::unique_ptr<Tree> FromBlob(const py::array_t<std::uint8_t>& blob,
-                               bool verify) {
+// bytes. An exact tree has its doubles next to them.
+std::unique_ptr<Tree> FromBlob(
+    const py::array_t<std::uint8_t>& blob, bool verify, bool is_exact,
+    const py::array_t<double, py::array::c_style>& doubles) {
   constexpr std::size_t kAlignment = 64;
   const std::uint8_t* const bytes = blob.data();
-  const auto size = static_cast<std::size_t>(blob.size());
+  const auto size = Length(blob);
   if (size == 0) throw std::invalid_argument("the blob is empty");
   auto tree = std::make_unique<Tree>();
   if (reinterpret_cast<std::uintptr_t>(bytes) % kAlignment == 0) {
     tree->blob = blob;
   }
+  tree->is_exact = is_exact;
+  tree->doubles.assign(doubles.data(), doubles.data() + doubles.size());
   const py::gil_scoped_release release;
   // If this fails, the next call says why.
   hs_kind kind = HS_BOX3;
@@ -590,7 +591,7 @@ Ids QueryByJoin(Tree& tree, const py::tuple& arrays, const py::tuple& how) {
   const Reading reading(tree);
   const auto results = [&] {
     const py::gil_scoped_release release;
-    const Bvh queries = Build(boxes, /*is_fast=*/true, work,
+    const Bvh queries = Build(boxes, tree.dims, /*is_fast=*/true, work,
                               /*progress_end=*/0);
     std::vector<double> rows(tree.is_exact ? boxes.size * boxes.count : 0);
     if (tree.is_exact) ReadRows(boxes, nullptr, rows.data());
@@ -703,55 +704,39 @@ Ids PairsOf(Tree& tree, Tree* b, float margin, const py::tuple& how) {
 
 // The first triangles that rays hit, or all of them, sorted by t. Triangle i is
 // that of object i.
-py::tuple CastToTriangles(Tree& tree, const py::tuple& its_rays,
+py::tuple CastToTriangles(Tree& tree, const py::tuple& rays,
                           const py::tuple& its_triangles, bool finds_all,
                           const py::tuple& how) {
+  using Its = Searches<Tree>;
+  constexpr std::pair kCast{&hs_bvh_raycast_triangles,
+                            &hs_bvh_raycast_triangles_each};
   const Columns triangles(its_triangles);
-  const hs_query_options options = Searches<Tree>::OptionsOf(MaskOf(how));
-  Work work = WorkOf(how);
-  const Reading reading(tree);
-  const Columns rays = Searches<Tree>::QueriesIn(tree, its_rays, work);
-  if (finds_all) {
-    return Searches<Tree>::FindHits(
-        rays, work,
-        [&](const hs_columns& some, std::size_t, hs_hit_function function,
-            void* context) {
-          Check(hs_bvh_raycast_triangles_each(tree.get(), &some, &triangles,
-                                              &options, function, context));
-        });
-  }
-  return FindIdsAndFloats(
-      rays, 1, kPartQueries, work,
-      [&](const hs_columns& some, std::size_t, std::uint32_t* ids, float* ts) {
-        Check(hs_bvh_raycast_triangles(tree.get(), &some, &triangles, &options,
-                                       ids, ts));
+  Its::Search its(tree, rays, how);
+  return Its::FindHits(
+      its, finds_all, [&](const QueryPart& part, auto to, auto of) {
+        Check(std::get<Its::kFindsAll<decltype(of)>>(kCast)(
+            tree.get(), &part.queries, &triangles, &its.options, to, of));
       });
 }
 
 // The triangles that are closest to points, their distances and the points on
 // them, of shape (n, 3).
-py::tuple ClosestPoints(Tree& tree, const py::tuple& its_points,
+py::tuple ClosestPoints(Tree& tree, const py::tuple& points,
                         const py::tuple& its_triangles, float max_distance,
                         const py::tuple& how) {
   const Columns triangles(its_triangles);
-  const hs_query_options options = Searches<Tree>::OptionsOf(MaskOf(how));
-  Work work = WorkOf(how);
-  const Reading reading(tree);
-  const Columns points = Searches<Tree>::QueriesIn(tree, its_points, work);
-  py::array_t<float> closest(std::vector<std::size_t>{points.count, 3});
-  float* const to = closest.mutable_data();
+  Searches<Tree>::Search its(tree, points, how);
+  const Output<float> closest(its.queries, 3);
   const py::tuple found = FindIdsAndFloats(
-      points, 1, kPartQueries, work,
-      [&](const hs_columns& some, std::size_t first, std::uint32_t* ids,
-          float* distances) {
-        std::array<float, 3 * kPartQueries> its;
-        Check(hs_bvh_closest_points(tree.get(), &some, &triangles, max_distance,
-                                    &options, ids, its.data(), distances));
-        for (std::size_t i = 0; i < some.count; ++i) {
-          std::copy_n(&its[3 * i], 3, to + 3 * points.RowAt(first + i));
-        }
+      its.queries, 1, kPartQueries, its.work,
+      [&](const QueryPart& part, std::uint32_t* ids, float* distances) {
+        std::vector<float> places(3 * part.queries.count);
+        Check(hs_bvh_closest_points(tree.get(), &part.queries, &triangles,
+                                    max_distance, &its.options, ids,
+                                    places.data(), distances));
+        closest.Store(part.first, places);
       });
-  return py::make_tuple(found[0], found[1], closest);
+  return py::make_tuple(found[0], found[1], closest.array());
 }
 
 ShortIds Insert(Tree& tree, const py::tuple& arrays) {
@@ -769,10 +754,8 @@ ShortIds Insert(Tree& tree, const py::tuple& arrays) {
 }
 
 void Erase(Tree& tree, const ShortIds& ids) {
-  Change(tree, [&] {
-    Check(hs_bvh_erase(tree.get(), ids.data(),
-                       static_cast<std::size_t>(ids.size())));
-  });
+  Change(tree,
+         [&] { Check(hs_bvh_erase(tree.get(), ids.data(), Length(ids))); });
 }
 
 void Refit(Tree& tree, const py::tuple& arrays, std::size_t threads,
@@ -811,7 +794,7 @@ void SetSome(Tree& tree, const py::tuple& arrays, const ShortIds& ids) {
 
 // Of some objects, or of all if there are no ids.
 void SetMasks(Tree& tree, const ShortIds& ids, const ShortIds& masks) {
-  const auto count = static_cast<std::size_t>(masks.size());
+  const auto count = Length(masks);
   if (ids.size() != 0 && ids.size() != masks.size()) ThrowNotPrepared();
   Change(tree, [&] {
     Check(ids.size() != 0
@@ -829,24 +812,9 @@ void Rebuild(Tree& tree, bool is_fast, std::size_t threads) {
   Change(tree, [&] { its_threads.Check(hs_bvh_rebuild(tree.get(), &config)); });
 }
 
-double CostRatio(Tree& tree) {
-  const Reading reading(tree);
-  double ratio = 0;
-  Check(hs_bvh_cost_ratio(tree.get(), &ratio));
-  return ratio;
-}
-
 py::array_t<double> Doubles(Tree& tree) {
   const Reading reading(tree);
   return py::array_t<double>(Size(tree.doubles.size()), tree.doubles.data());
-}
-
-// The doubles of a tree that is read from its blob.
-void SetDoubles(Tree& tree, const py::array_t<double>& doubles) {
-  Change(tree, [&] {
-    tree.is_exact = true;
-    tree.doubles.assign(doubles.data(), doubles.data() + doubles.size());
-  });
 }
 
 py::array_t<float> BoundsOf(Tree& tree) {
@@ -870,6 +838,24 @@ py::array_t<float> Boxes(Tree& tree) {
 
 }  // namespace
 
+std::vector<std::uint32_t> OrderByPlace(const hs_columns& records,
+                                        std::size_t dims, Work& work) {
+  hs_columns points = records;
+  for (std::size_t k = 0; k < dims; ++k) {
+    points.column[dims + k] = points.column[k];
+  }
+  const Bvh bvh =
+      Build(points, dims, /*is_fast=*/true, work, /*progress_end=*/0);
+  std::array<float, 6> everything;
+  Check(hs_bvh_bounds(bvh.get(), everything.data()));
+  const hs_columns query = hs_float_rows(everything.data(), 1, 2 * dims);
+  std::vector<std::uint32_t> order(records.count);
+  std::size_t total = 0;
+  Check(hs_bvh_query(bvh.get(), &query, nullptr, order.data(), order.size(),
+                     nullptr, &total));
+  return total == records.count ? order : std::vector<std::uint32_t>();
+}
+
 void DefineTree(py::module_& module) {
   py::class_<Tree> of(module, "Tree");
   Searches<Tree>::Define(of);
@@ -889,7 +875,7 @@ void DefineTree(py::module_& module) {
       .def("refit_some", &SetSome<&hs_bvh_set>)
       .def("set_masks", &SetMasks)
       .def("rebuild", &Rebuild)
-      .def("cost_ratio", &CostRatio)
+      .def("cost_ratio", &Ask<double, &hs_bvh_cost_ratio>)
       .def("changing",
            [](const py::object& self) {
              return Changing{self, self.cast<Tree*>()};
@@ -897,14 +883,13 @@ void DefineTree(py::module_& module) {
       .def("bounds", &BoundsOf)
       .def("boxes", &Boxes)
       .def("doubles", &Doubles)
-      .def("set_doubles", &SetDoubles)
-      .def("size", &Ask<&hs_bvh_size>)
-      .def("id_limit", &Ask<&hs_bvh_id_limit>)
-      .def("nbytes", &Ask<&hs_bvh_bytes>)
-      .def_property_readonly("nbytes_of_doubles",
-                             [](const Tree& tree) {
-                               return tree.doubles.capacity() * sizeof(double);
-                             })
+      .def("size", &Ask<std::size_t, &hs_bvh_size>)
+      .def("id_limit", &Ask<std::size_t, &hs_bvh_id_limit>)
+      .def("nbytes",
+           [](Tree& tree) {
+             return Ask<std::size_t, &hs_bvh_bytes>(tree) +
+                    tree.doubles.capacity() * sizeof(double);
+           })
       .def_readonly("changes", &Tree::changes);
   py::class_<FileBuilder>(module, "FileBuilder")
       .def(py::init<const std::string&, std::size_t, bool, std::size_t>())
