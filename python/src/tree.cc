@@ -51,23 +51,20 @@ void ReadRows(const Columns& boxes, const std::uint32_t* ids, double* rows) {
   }
 }
 
-// Boxes of kDims axes by id. An altered blob has any ids.
-template <std::size_t kDims>
+// Boxes by id. An altered blob has any ids.
 struct Rows {
-  explicit Rows(std::span<const double> its_values) : values(its_values) {}
-
   const double* Find(std::uint32_t id) const {
-    const std::size_t first = 2 * kDims * id;
+    const std::size_t first = 2 * dims * id;
     return first < values.size() ? values.data() + first : nullptr;
   }
   // Whether the object is there, at most `margin` from a box on each axis.
   bool IsNear(std::uint32_t id, const double* box, double margin) const {
     const double* const row = Find(id);
-    if (row == nullptr) return false;
+    if (row == nullptr || box == nullptr) return false;
     bool is_near = true;
-    for (std::size_t k = 0; k < kDims; ++k) {
-      is_near &= row[k] <= box[kDims + k] + margin &&
-                 box[k] <= row[kDims + k] + margin;
+    for (std::size_t k = 0; k < dims; ++k) {
+      is_near &=
+          row[k] <= box[dims + k] + margin && box[k] <= row[dims + k] + margin;
     }
     return is_near;
   }
@@ -77,57 +74,27 @@ struct Rows {
     const double* const row = Find(id);
     if (row == nullptr) return;
     __builtin_prefetch(row);
-    __builtin_prefetch(row + 2 * kDims - 1);
+    __builtin_prefetch(row + 2 * dims - 1);
 #endif
   }
 
   std::span<const double> values;
+  std::size_t dims;
 };
 constexpr std::size_t kAhead = 16;
 
 // Removes the pairs whose boxes are farther apart than the margin. Returns how
 // many are left.
-template <std::size_t kDims>
-std::size_t KeepNear(std::span<const double> of_a, std::span<const double> of_b,
-                     double margin, std::span<hs_id_pair> pairs) {
-  const Rows<kDims> a(of_a);
-  const Rows<kDims> b(of_b);
+std::size_t KeepNear(const Rows& a, const Rows& b, double margin,
+                     std::span<hs_id_pair> pairs) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (i + kAhead < pairs.size()) {
       a.Prefetch(pairs[i + kAhead].a);
       b.Prefetch(pairs[i + kAhead].b);
     }
-    const double* const one = a.Find(pairs[i].a);
-    pairs[kept] = pairs[i];
-    kept += one != nullptr && b.IsNear(pairs[i].b, one, margin) ? 1 : 0;
-  }
-  return kept;
-}
-std::size_t KeepNear(std::size_t dims, std::span<const double> a,
-                     std::span<const double> b, double margin,
-                     std::span<hs_id_pair> pairs) {
-  return dims == 2 ? KeepNear<2>(a, b, margin, pairs)
-                   : KeepNear<3>(a, b, margin, pairs);
-}
-
-// Removes the results of queries that do not overlap. offsets[q + 1] is where
-// those of query q end.
-template <std::size_t kDims>
-std::size_t KeepResults(std::span<const double> objects,
-                        const hs_columns& queries, std::span<std::uint32_t> ids,
-                        std::size_t* offsets) {
-  const Rows<kDims> rows(objects);
-  std::size_t kept = 0;
-  for (std::size_t q = 0, i = 0; q < queries.count; ++q) {
-    std::array<double, 2 * kDims> box;
-    ReadRow(queries, q, 2 * kDims, box.data());
-    for (const std::size_t end = offsets[q + 1]; i < end; ++i) {
-      if (i + kAhead < ids.size()) rows.Prefetch(ids[i + kAhead]);
-      ids[kept] = ids[i];
-      kept += rows.IsNear(ids[kept], box.data(), 0) ? 1 : 0;
-    }
-    offsets[q + 1] = kept;
+    const hs_id_pair pair = pairs[kept] = pairs[i];
+    kept += b.IsNear(pair.b, a.Find(pair.a), margin) ? 1 : 0;
   }
   return kept;
 }
@@ -144,34 +111,46 @@ struct Tree {
   py::object blob;  // the bytes, if they are in place
   Bvh bvh;
   std::size_t dims = 3;
-  bool is_exact = false;               // `doubles` decide
-  std::vector<double> doubles;         // the boxes by id, one after another
-  std::vector<unsigned long> readers;  // the threads of calls that read now
-  unsigned long changer = 0;           // the thread of the call that changes it
-  unsigned long owner = 0;             // the thread that called Own()
-  std::size_t owned = 0;               // how often
-  bool owner_waits = false;            // for the calls that run
-  std::size_t waiting = 0;             // calls that wait for the owner
-  std::size_t exports = 0;             // blobs that Python objects refer to
-  bool is_half_refitted = false;       // an exception ended Refit()
-  std::size_t changes = 0;             // so far
+  bool is_exact = false;             // `doubles` decide
+  std::vector<double> doubles;       // the boxes by id, one after another
+  std::vector<unsigned long> users;  // the threads of calls that run now
+  bool is_changing = false;          // by the only one of them
+  unsigned long owner = 0;           // the thread that called Own()
+  std::size_t owned = 0;             // how often
+  bool owner_waits = false;          // for the calls that run
+  std::size_t waiting = 0;           // calls that wait for the owner
+  std::size_t exports = 0;           // blobs that Python objects refer to
+  bool is_half_refitted = false;     // an exception ended Refit()
+  std::size_t changes = 0;           // so far
 
   hs_bvh* get() const { return bvh.get(); }
   static hs_columns QueryOf(const hs_columns& box, float* /*unused*/) {
     return box;
   }
 
-  // Removes the results that do not overlap as doubles.
+  Rows rows() const { return {doubles, dims}; }
+  // Removes the results that do not overlap as doubles. Those of query q end at
+  // offsets[q + 1].
   std::size_t Keep(const hs_columns& queries, std::span<std::uint32_t> ids,
                    std::size_t* offsets) const {
     std::array<std::size_t, 2> of_one{0, ids.size()};
     if (offsets == nullptr) offsets = of_one.data();
-    return dims == 2 ? KeepResults<2>(doubles, queries, ids, offsets)
-                     : KeepResults<3>(doubles, queries, ids, offsets);
+    std::size_t kept = 0;
+    for (std::size_t q = 0, i = 0; q < queries.count; ++q) {
+      std::array<double, 6> box;
+      ReadRow(queries, q, 2 * dims, box.data());
+      for (const std::size_t end = offsets[q + 1]; i < end; ++i) {
+        if (i + kAhead < ids.size()) rows().Prefetch(ids[i + kAhead]);
+        ids[kept] = ids[i];
+        kept += rows().IsNear(ids[kept], box.data(), 0) ? 1 : 0;
+      }
+      offsets[q + 1] = kept;
+    }
+    return kept;
   }
   void KeepPairs(float margin, std::vector<hs_id_pair>& pairs) const {
     if (!is_exact) return;
-    pairs.resize(KeepNear(dims, doubles, doubles, margin, pairs));
+    pairs.resize(KeepNear(rows(), rows(), margin, pairs));
   }
 
   // Makes room for ids below the limit. What has room does not throw.
@@ -184,14 +163,13 @@ struct Tree {
     if (is_exact) ReadRows(boxes, ids, doubles.data());
   }
 
-  bool IsReadBy(unsigned long thread) const {
-    return std::find(readers.begin(), readers.end(), thread) != readers.end();
+  bool IsUsedBy(unsigned long thread) const {
+    return std::find(users.begin(), users.end(), thread) != users.end();
   }
   // Whether a call of the thread waits. One that is inside of another, in a
   // function of the caller's, does not: the owner waits for the other.
   bool IsClosedTo(unsigned long thread) const {
-    return owner != 0 && owner != thread && changer != thread &&
-           !IsReadBy(thread);
+    return owner != 0 && owner != thread && !IsUsedBy(thread);
   }
 };
 
@@ -250,32 +228,31 @@ void WaitUntilOpen(Tree& tree, Tree& other) {
 }
 void WaitUntilOpen(Tree& tree) { WaitUntilOpen(tree, tree); }
 
-void CheckRefitted(const Tree& tree) {
-  if (!tree.is_half_refitted) return;
-  throw std::runtime_error(
-      "refit() of this BVH was interrupted: call refit() with all boxes again "
-      "before any other call");
-}
-
-// Exists while a call reads a tree. The constructor waits for the owner, and
+// Exists while a call uses a tree. The constructor waits for the owner, and
 // throws if another call changes the tree.
 struct TreeReading {
   explicit TreeReading(Tree& its_tree, bool is_refit = false) : tree(its_tree) {
     WaitUntilOpen(tree);
-    if (tree.changer != 0) {
+    if (tree.is_changing) {
       throw std::runtime_error(
           "another call is changing this BVH: wait until it has finished");
     }
-    if (!is_refit) CheckRefitted(tree);
-    tree.readers.push_back(thread);
+    if (tree.is_half_refitted && !is_refit) {
+      throw std::runtime_error(
+          "refit() of this BVH was interrupted: call refit() with all boxes "
+          "again before any other call");
+    }
+    tree.users.push_back(thread);
   }
   TreeReading(const TreeReading&) = delete;
   ~TreeReading() {
     // Those of one thread are equal.
-    *std::find(tree.readers.begin(), tree.readers.end(), thread) =
-        tree.readers.back();
-    tree.readers.pop_back();
-    if (tree.owner_waits && tree.readers.empty()) TheWaiters().WakeAll();
+    *std::find(tree.users.begin(), tree.users.end(), thread) =
+        tree.users.back();
+    tree.users.pop_back();
+    if (!tree.users.empty()) return;
+    tree.is_changing = false;
+    if (tree.owner_waits) TheWaiters().WakeAll();
   }
 
   Tree& tree;
@@ -292,7 +269,7 @@ void Disown(Tree& tree) {
 // Makes all other threads wait, and waits for the calls that run now.
 void Own(Tree& tree) {
   const unsigned long self = PyThread_get_thread_ident();
-  if (tree.changer == self || tree.IsReadBy(self)) {
+  if (tree.IsUsedBy(self)) {
     throw std::runtime_error(
         "changing() was called inside of a call of the same BVH");
   }
@@ -310,8 +287,7 @@ void Own(Tree& tree) {
   ++tree.owned;
   tree.owner_waits = true;
   try {
-    TheWaiters().WaitUntil(
-        [&] { return tree.readers.empty() && tree.changer == 0; });
+    TheWaiters().WaitUntil([&] { return tree.users.empty(); });
     tree.owner_waits = false;
   } catch (...) {
     tree.owner_waits = false;
@@ -332,7 +308,7 @@ struct Changing {
 template <typename Function>
 void Change(Tree& tree, const Function& change, bool is_refit = false) {
   WaitUntilOpen(tree);
-  if (tree.changer != 0 || !tree.readers.empty()) {
+  if (!tree.users.empty()) {
     throw std::runtime_error(
         "another call is using this BVH: wait until it has finished before "
         "you change the BVH, or change it in `with tree.changing():`");
@@ -341,13 +317,8 @@ void Change(Tree& tree, const Function& change, bool is_refit = false) {
     throw py::buffer_error(
         "the blob of this BVH is in use: release it before you change the BVH");
   }
-  if (!is_refit) CheckRefitted(tree);
-  const auto end = [](Tree* its) {
-    its->changer = 0;
-    if (its->owner_waits) TheWaiters().WakeAll();
-  };
-  const std::unique_ptr<Tree, decltype(end)> changing(&tree, end);
-  tree.changer = PyThread_get_thread_ident();
+  const Reading reading(tree, is_refit);
+  tree.is_changing = true;
   if (is_refit) ++tree.changes;  // also if an exception ends it
   {
     const py::gil_scoped_release release;
@@ -530,12 +501,11 @@ py::array BlobOf(const py::object& object) {
 }
 
 // Finds the pairs of a tree, and of `b` or of itself if this is null, by part.
-// keep(pairs) removes some and returns how many are left. Call it without the
-// interpreter's lock.
-template <typename Keep>
+// Removes those that the boxes by id reject, if there are any for both. Call it
+// without the interpreter's lock.
 Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b,
                               hs_pair_options options, Work& work,
-                              const Keep& keep) {
+                              const Rows& of_a, const Rows& of_b) {
   std::size_t leaves = 0;
   Check(hs_bvh_pair_parts(a, &leaves));
   const std::size_t parts = PartsOf(leaves, kPartLeaves);
@@ -552,20 +522,12 @@ Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b,
       Check(b == nullptr
                 ? hs_bvh_pairs(a, &its, pairs.data(), pairs.size(), &total)
                 : hs_bvh_join(a, b, &its, pairs.data(), pairs.size(), &total));
-      return total > pairs.size() ? total : keep(pairs.first(total));
+      const bool is_exact = !of_a.values.empty() && !of_b.values.empty();
+      if (total > pairs.size() || !is_exact) return total;
+      return KeepNear(of_a, of_b, options.margin, pairs.first(total));
     });
   });
   return results;
-}
-
-// keep() of FindPairs(): those of `a` and `b`, which are the boxes by id, or
-// all if they are empty.
-auto KeeperOf(std::span<const double> a, std::span<const double> b,
-              std::size_t dims, double margin) {
-  return [=](std::span<hs_id_pair> pairs) {
-    return a.empty() || b.empty() ? pairs.size()
-                                  : KeepNear(dims, a, b, margin, pairs);
-  };
 }
 
 // Writes the row of each result. The results of row i end at ends[i].
@@ -596,7 +558,7 @@ Ids QueryByJoin(Tree& tree, const py::tuple& arrays, const py::tuple& how) {
     std::vector<double> rows(tree.is_exact ? boxes.size * boxes.count : 0);
     if (tree.is_exact) ReadRows(boxes, nullptr, rows.data());
     return FindPairs(queries.get(), tree.get(), options, work,
-                     KeeperOf(rows, tree.doubles, tree.dims, 0));
+                     {rows, tree.dims}, tree.rows());
   }();
   const std::size_t parts = results.lists.size();
   std::vector<std::size_t> ends(boxes.count);
@@ -670,15 +632,15 @@ Ids PairsOf(Tree& tree, Tree* b, float margin, const py::tuple& how) {
     const Reading reading_b(other);
     const py::gil_scoped_release release;
     // A tree of floats has no doubles.
+    Rows of_a = tree.rows();
+    Rows of_b = other.rows();
     std::vector<double> made;
-    std::span<const double> of_a = tree.doubles;
-    std::span<const double> of_b = other.doubles;
     if (tree.is_exact != other.is_exact) {
       made = DoublesOf(tree.is_exact ? other : tree);
-      (tree.is_exact ? of_b : of_a) = made;
+      (tree.is_exact ? of_b : of_a).values = made;
     }
     return FindPairs(tree.get(), b == nullptr ? nullptr : b->get(), options,
-                     work, KeeperOf(of_a, of_b, tree.dims, margin));
+                     work, of_a, of_b);
   }();
   std::vector<std::size_t> offsets{0};
   for (const auto& list : results.lists) {
