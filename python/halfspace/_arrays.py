@@ -158,12 +158,12 @@ def _rounded_up(exact: np.ndarray) -> np.ndarray:
     return up
 
 
-def ids(value: Any, name: str) -> np.ndarray:
-    """Ids of objects as uint32."""
+def ids(value: Any, name: str, end: int = MOST_OBJECTS) -> np.ndarray:
+    """Ids of objects below `end` as uint32."""
     array = _array(value, name)
     expected = "an integer or a one-dimensional array of integers"
     _check_shape(array.ndim <= 1, array, name, expected)
-    return _unsigned(array, name, MOST_OBJECTS, "the id of an object")
+    return _unsigned(array, name, end, "the id of an object")
 
 
 def masks(value: Any, name: str, count: int) -> np.ndarray:
@@ -466,16 +466,15 @@ def _without_nan(array: np.ndarray, name: str) -> Table:
 def _raise_bad_box(table: Table, name: str, row: int) -> None:
     box = np.concatenate([a[row] for a in table.arrays])
     where = name if table.single else f"{name}[{row}]"
-    values = "[" + ", ".join(repr(float(v)) for v in box) + "]"
+    values = box.tolist()
     if np.isnan(box).any():
         raise ValueError(
             f"{where}: expected numbers, got NaN in {values}. An object without an "
             "extent is the empty box, with minima of inf and maxima of -inf"
         )
-    half = len(box) // 2
-    axis = int((box[:half] > box[half:]).argmax())
+    low, high = np.split(box, 2)
+    axis = int((low > high).argmax())
     raise ValueError(
-        f"{where}: expected min <= max, got min {float(box[axis])!r} > max "
-        f"{float(box[half + axis])!r} on axis {axis} of {values}. The columns are "
-        "the minima of all axes, then the maxima"
+        f"{where}: expected min <= max, got min {low[axis]} > max {high[axis]} on axis "
+        f"{axis} of {values}. The columns are the minima of all axes, then the maxima"
     )

@@ -171,14 +171,11 @@ class BVH(Searches):
         exact tree, whose float64 boxes are not stored either.
         """
         self._check_is_not_exact()
-        return self._blob()
+        return memoryview(self._tree.blob())
 
     def _check_is_not_exact(self) -> None:
         if self._tree.is_exact:
             raise TypeError("expected a tree that is not exact: pickle an exact one")
-
-    def _blob(self) -> memoryview:
-        return memoryview(self._tree.blob())
 
     def save(self, path: Path) -> None:
         """Writes the tree to a file for `map`.
@@ -192,7 +189,7 @@ class BVH(Searches):
 
     def __reduce_ex__(self, protocol: Any) -> Tuple[Any, ...]:
         # Out of band if the pickler has a buffer_callback, and in band if not.
-        blob = self._blob()
+        blob = memoryview(self._tree.blob())
         data = pickle.PickleBuffer(blob) if protocol >= 5 else bytes(blob)
         doubles = (self._tree.doubles(),) if self._tree.is_exact else ()
         return _unpickle, (type(self), data, *doubles), getattr(self, "__dict__", None)
@@ -360,7 +357,7 @@ class BVH(Searches):
 
         With `margin`, also those that are at most `margin` apart on each axis. It
         is rounded up to float32. With `mask`, the masks of both objects have one of
-        its bits.
+        its bits. `threads` and `progress` are those of `BVH`.
 
         Returns `i, j`, an array of int64 with the shape (2, n), with `i < j`.
         Each pair is found once. The order of the pairs is unspecified, but
@@ -492,14 +489,7 @@ class BVH(Searches):
             doubles = self._tree.doubles()[: boxes.size].reshape(boxes.shape)
             is_there = boxes[:, :1] <= boxes[:, self.dims, None]
             boxes = np.where(is_there, doubles, boxes)
-        if ids is None:
-            return boxes
-        wanted = _arrays.ids(ids, "ids")
-        if len(wanted) and wanted.max() >= len(boxes):
-            raise ValueError(
-                f"ids: expected ids below {len(boxes)}, got {wanted.max()}"
-            )
-        return boxes[wanted]
+        return boxes if ids is None else boxes[_arrays.ids(ids, "ids", len(boxes))]
 
     def __repr__(self) -> str:
         return f"<halfspace.BVH: {len(self)} boxes in {self.dims} dimensions>"

@@ -249,7 +249,7 @@ BAD_CALLS = [
     (lambda: TREE.refit([BOX]), "boxes: expected 2 boxes, one for each id of the tree, got 1"),
     (lambda: TREE.refit([BOX], [0, 1]), "ids: expected one id for each of 1 boxes, got 2"),
     (lambda: hs.BVH(tuple(np.zeros((4, 4)))), "boxes: a tuple of 4 arrays of length 4"),
-    (lambda: TREE.boxes([10**6]), "ids: expected ids below"),
+    (lambda: TREE.boxes([10**6]), "ids[0]: expected the id of an object, got 1000000"),
     (lambda: TREE.set_masks([1, 2, 3]), "masks: expected one integer or an array of shape (2,)"),
     (lambda: TREE.set_masks(1, [2]), "ids[0]: expected the id of an object, got 2"),
     (lambda: TREE.query(BOX, mask=2**32), "mask: expected an integer from 0 to 4294967295"),
