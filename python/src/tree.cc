@@ -810,6 +810,9 @@ std::vector<std::uint32_t> OrderByPlace(const hs_columns& records,
       Build(points, dims, /*is_fast=*/true, work, /*progress_end=*/0);
   std::array<float, 6> everything;
   Check(hs_bvh_bounds(bvh.get(), everything.data()));
+  const auto* const max = everything.data() + dims;
+  // Rays from one camera start at one place: no order helps.
+  if (std::equal(max, max + dims, everything.data())) return {};
   const hs_columns query = hs_float_rows(everything.data(), 1, 2 * dims);
   std::vector<std::uint32_t> order(records.count);
   std::size_t total = 0;
