@@ -4,9 +4,9 @@ GEOS called from C, on one thread. Each answer is checked before it is timed.
 
     python/bench/compare.py [--quick] [--repetitions R] [--out FILE.json]
 
-Needs the module halfspace, a C compiler, and Debian's python3-shapely (1.8), python3-rtree,
-python3-geopandas, python3-scipy and libgeos-dev. --quick takes a hundredth of the objects
-and one repetition.
+Needs the module halfspace with what builds it, and Debian's python3-shapely (1.8),
+python3-rtree, python3-geopandas, python3-scipy and libgeos-dev. --quick takes a hundredth of
+the objects and one repetition.
 """
 
 import ctypes
@@ -15,10 +15,10 @@ import os
 import pathlib
 import subprocess
 import sys
+import sysconfig
 import tempfile
 import time
 import warnings
-import weakref
 
 os.environ["USE_PYGEOS"] = "0"  # geopandas warns if it is unset
 
@@ -75,15 +75,12 @@ def mesh(rng, count, side):
     turn = rng.uniform(0.2, 1)
     x = side * (u * np.cos(turn) - v * np.sin(turn) + 0.02 * np.sin(9 * v))
     y = side * (u * np.sin(turn) + v * np.cos(turn) + 0.02 * np.sin(7 * u))
-    triangles = triangles_between(np.stack([x, y], -1))
-    return np.hstack([triangles.min(1), triangles.max(1)])
-
-
-def triangles_between(corners):
-    """Two triangles in each cell of a grid, of shape (n, 3, dimensions)."""
+    corners = np.stack([x, y], -1)
     a, b, c, d = corners[:-1, :-1], corners[:-1, 1:], corners[1:, :-1], corners[1:, 1:]
+    # Two in each cell.
     triangles = np.stack([np.stack([a, b, c], -2), np.stack([b, d, c], -2)], -3)
-    return as_floats(triangles.reshape(-1, 3, corners.shape[-1]))
+    triangles = as_floats(triangles.reshape(-1, 3, 2))
+    return np.hstack([triangles.min(1), triangles.max(1)])
 
 
 def points(rng, count, side=0):
@@ -92,76 +89,16 @@ def points(rng, count, side=0):
     return np.hstack([centers - side, centers + side])
 
 
-def bumps(count):
-    """About so many triangles of a sphere with bumps."""
-    n = int(np.sqrt(count / 4))
-    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 2 * n + 1), np.linspace(0.02, np.pi - 0.02, n + 1))
-    radius = 1 + 0.1 * np.sin(9 * u) * np.sin(7 * v)
-    return triangles_between(radius[..., None] * np.stack(
-        [np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)], -1))
-
-
-libc = ctypes.CDLL(None)
-libc.free.argtypes = [ctypes.c_void_p]
-libc.free.restype = None
-
-
-class Owned:
-    """What a function of C made, and the objects that it uses."""
-
-    def __init__(self, pointer, free, *keep):
-        self._as_parameter_ = pointer
-        self.free = free
-        self.keep = keep
-
-    def __del__(self):
-        self.free(self)
-
-
-class Geos:
-    """GEOS from C (geos_tree.c)."""
-
-    def __init__(self, directory):
-        source = pathlib.Path(__file__).with_name("geos_tree.c")
-        library = pathlib.Path(directory) / "geos_tree.so"
-        subprocess.run([os.environ.get("CC", "cc"), "-O3", "-shared", "-fPIC", source, "-o",
-                        library, "-lgeos_c", "-lm"], check=True)
-        self.c = ctypes.CDLL(str(library))
-        pointer, size = ctypes.c_void_p, ctypes.c_size_t
-        for name, returned, *arguments in (
-                ("geos_version", ctypes.c_char_p),
-                ("geos_rectangles", pointer, pointer, size),
-                ("geos_rectangles_free", None, pointer),
-                ("geos_tree", pointer, pointer),
-                ("geos_tree_free", None, pointer),
-                ("geos_join", size, pointer, pointer, pointer, ctypes.c_double, pointer),
-                ("geos_nearest", size, pointer, pointer, pointer, ctypes.c_int, pointer)):
-            function = getattr(self.c, name)
-            function.restype = returned
-            function.argtypes = arguments
-        self.name = f"GEOS {self.c.geos_version().decode().split('-')[0]} in C"
-
-    def given(self, boxes):
-        boxes = np.ascontiguousarray(boxes)
-        return Owned(self.c.geos_rectangles(boxes.ctypes.data, len(boxes)),
-                     self.c.geos_rectangles_free, boxes)
-
-    def build(self, rectangles):
-        return Owned(self.c.geos_tree(rectangles), self.c.geos_tree_free, rectangles)
-
-    @staticmethod
-    def _pairs(function, tree, probes, option):
-        found = ctypes.c_void_p()
-        count = function(tree, *tree.keep, probes, option, ctypes.byref(found))
-        pairs = (ctypes.c_int64 * 2 * count).from_address(found.value)
-        weakref.finalize(pairs, libc.free, found)
-        return np.asarray(pairs).T
-
-    def join(self, tree, probes, within=0.0):
-        return self._pairs(self.c.geos_join, tree, probes, within)
-
-    def nearest(self, tree, probes, with_ties=False):
-        return self._pairs(self.c.geos_nearest, tree, probes, with_ties)
+def geos_module(directory):
+    """GEOS from C (geos_tree.cc)."""
+    source = pathlib.Path(__file__).with_name("geos_tree.cc")
+    subprocess.run([os.environ.get("CXX", "c++"), "-std=c++17", "-O3", "-shared", "-fPIC",
+                    "-fvisibility=hidden", f"-I{sysconfig.get_path('include')}", source,
+                    "-o", f"{directory}/geos_tree.so", "-lgeos_c"], check=True)
+    sys.path.insert(0, directory)
+    import geos_tree
+    geos_tree.name = f"GEOS {geos_tree.version().split('-')[0]} in C"
+    return geos_tree
 
 
 def rectangles(boxes):
@@ -236,7 +173,7 @@ def bytes_of(build):
     """The result of a build, and by how much the memory of the process has grown."""
     def resident():
         gc.collect()
-        libc.malloc_trim(0)
+        ctypes.CDLL(None).malloc_trim(0)
         pages = int(pathlib.Path("/proc/self/statm").read_text().split()[1])
         return pages * os.sysconf("SC_PAGE_SIZE")
 
@@ -289,25 +226,25 @@ def boxes_of(geos, scale, rng):
             ("uniform boxes", uniform, 0.0005 * grow, {"small": 0.0005, "large": 0.00266})):
         boxes = make(rng, objects, side)
         tree, of_geos = yield from builds(name, boxes,
-                                          (geos.name, geos.given(boxes), geos.build))
+                                          (geos.name, geos.Rectangles(boxes), geos.Tree))
         for size, its_side in queries.items():
             probes = make(rng, count, its_side * grow)
-            given = geos.given(probes)
+            given = geos.Rectangles(probes)
             yield (name, len(probes), f"query(boxes), {size}", geos.name,
-                   lambda: tree.query(probes), lambda: geos.join(of_geos, given))
+                   lambda: tree.query(probes), lambda: of_geos.join(given))
     # The last world, and its large queries.
     yield (name, count, "query(boxes, within=)", geos.name,
-           lambda: tree.query(probes, within=SQUARE), lambda: geos.join(of_geos, given, SQUARE),
+           lambda: tree.query(probes, within=SQUARE), lambda: of_geos.join(given, SQUARE),
            *pairs_within(boxes, probes, SQUARE))
     yield (name, count, "nearest(boxes)", geos.name, lambda: tree.nearest(probes)[0],
-           lambda: geos.nearest(of_geos, given), *distances(boxes, probes))
+           lambda: of_geos.nearest(given), *distances(boxes, probes))
     # No floats: the maxima are less than a step of floats above those of `boxes`.
     doubles = boxes * [1, 1, 1 + 1e-12, 1 + 1e-12]
     exact, size = bytes_of(lambda: hs.BVH(doubles, exact=True))
-    its = geos.given(doubles)
-    of_geos, its_size = bytes_of(lambda: geos.build(its))
+    its = geos.Rectangles(doubles)
+    of_geos, its_size = bytes_of(lambda: geos.Tree(its))
     yield (name, count, "BVH(boxes, exact=True).query", geos.name, lambda: exact.query(probes),
-           lambda: geos.join(of_geos, given), as_pairs, np.array_equal,
+           lambda: of_geos.join(given), as_pairs, np.array_equal,
            [size / objects, its_size / objects])
 
 
@@ -330,12 +267,12 @@ def of_points(geos, scale, rng):
     # Of a coarse grid, and between its points, so that many are equally near.
     side = int((objects / 10) ** 0.5)
     boxes, probes = np.floor(boxes[:objects // 5] * side), np.floor(probes * side) + 0.5
-    given = geos.given(probes)
+    given = geos.Rectangles(probes)
     tree, of_geos = yield from builds("points of a grid", boxes,
-                                      (geos.name, geos.given(boxes), geos.build))
+                                      (geos.name, geos.Rectangles(boxes), geos.Tree))
     yield ("points of a grid", count, "nearest(boxes, all_ties=True)", geos.name,
            lambda: tree.nearest(probes, all_ties=True)[0],
-           lambda: geos.nearest(of_geos, given, with_ties=True))
+           lambda: of_geos.nearest(given, with_ties=True))
 
 
 def packages(geos, scale, rng):
@@ -398,71 +335,6 @@ def geometries(geos, scale, rng):
     yield "discs", count, *joins_of(*frames)
 
 
-# Exact tests of triangles in numpy, for the candidates that a BVH finds.
-
-
-def hits(origins, directions, triangles):
-    """The t of rays and triangles by the test of Moeller and Trumbore: inf without a hit."""
-    p, q, r = triangles[:, 0], triangles[:, 1], triangles[:, 2]
-    s, from_p = np.cross(directions, r - p), origins - p
-    with np.errstate(divide="ignore", invalid="ignore"):
-        f = 1 / (s * (q - p)).sum(1)
-        u = f * (s * from_p).sum(1)
-        w = np.cross(from_p, q - p)
-        v = f * (w * directions).sum(1)
-        t = f * (w * (r - p)).sum(1)
-        return np.where((u >= 0) & (v >= 0) & (u + v <= 1) & (t >= 0), t, np.inf)
-
-
-def distances_to(places, triangles):
-    best = np.full(len(places), np.inf)
-    p, q, r = triangles[:, 0], triangles[:, 1], triangles[:, 2]
-    normals, inside = np.cross(q - p, r - p), np.ones(len(places), bool)
-    for a, b in ((p, q), (q, r), (r, p)):
-        along, from_a = b - a, places - a
-        t = ((from_a * along).sum(1) / (along * along).sum(1)).clip(0, 1)
-        best = np.minimum(best, np.linalg.norm(from_a - t[:, None] * along, axis=1))
-        inside &= (np.cross(along, from_a) * normals).sum(1) >= 0
-    height = abs(((places - p) * normals).sum(1)) / np.linalg.norm(normals, axis=1)
-    return np.where(inside, height, best)
-
-
-def least_of_each(rows, values, count):
-    least = np.full(count, np.inf)
-    np.minimum.at(least, rows, values)
-    return least
-
-
-def triangles_of(geos, scale, rng):
-    triangles, count = bumps(200_000 // scale), 20_000 // scale
-    flat = triangles.reshape(-1, 3)
-    tree = hs.BVH(np.hstack([triangles.min(1), triangles.max(1)]))
-    origins = as_floats(3 * rng.standard_normal((count, 3)))
-    ways = as_floats(0.5 * rng.standard_normal((count, 3)) - origins)
-
-    def cast():
-        (rows, ids), _ = tree.raycast(origins, ways, all_hits=True)
-        return least_of_each(rows, hits(origins[rows], ways[rows], triangles[ids]), count)
-
-    def almost(a, b):
-        # Rays by an edge can hit for one of the two.
-        return np.isclose(a, b, rtol=1e-3, atol=1e-5).mean() > 0.999
-
-    corners = scipy.spatial.cKDTree(flat)
-    places = as_floats(rng.standard_normal((count, 3)))
-
-    def closest():
-        # As trimesh: no farther than the nearest vertex.
-        rows, ids = tree.query_sphere(places, corners.query(places)[0])
-        return least_of_each(rows, distances_to(places[rows], triangles[ids]), count)
-
-    peer = f"numpy {np.__version__} over candidates"
-    yield ("triangles", count, "raycast(..., triangles=)", peer,
-           lambda: tree.raycast(origins, ways, triangles=triangles)[1], cast, np.asarray, almost)
-    yield ("triangles", count, "closest_point(points, triangles)", peer,
-           lambda: tree.closest_point(places, triangles)[1], closest, np.asarray, almost)
-
-
 def table_of(rows):
     column = report.column
     return report.table(
@@ -496,9 +368,9 @@ def main():
     rng = np.random.default_rng(SEED)
     repetitions = 1 if arguments.quick else arguments.repetitions
     with tempfile.TemporaryDirectory() as directory:
-        geos = Geos(directory)
+        geos = geos_module(directory)
         rows = [row_of(repetitions, *row)
-                for world in (boxes_of, of_points, packages, geometries, triangles_of)
+                for world in (boxes_of, of_points, packages, geometries)
                 for row in world(geos, scale, rng)]
     report.show([table_of(rows)], arguments.out, SEED, repetitions)
 

@@ -7,14 +7,17 @@ import json
 import pathlib
 import platform
 import re
-import statistics
 import subprocess
 import sys
 import time
+from statistics import median  # noqa: F401, for users of this module
 
 import numpy as np
 
 import halfspace as hs
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+from results import markdown  # noqa: E402
 
 
 def parser(description):
@@ -46,10 +49,6 @@ def spread(values, digits=6):
 def ratios(over, under):
     """A cell: the median of the ratios of runs that took turns."""
     return spread([a / b for a, b in zip(over, under)], 4)
-
-
-def median(values):
-    return statistics.median(values)
 
 
 def column(name, unit=None, digits=2, **more):
@@ -92,47 +91,12 @@ def context(seed, repetitions):
     }
 
 
-def _text(value, digits):
-    if value is None:
-        return "-"
-    return value if isinstance(value, str) else f"{value:,.{digits}f}".replace(",", " ")
-
-
-def _cell(value, one):
-    digits = one["digits"]
-    if not isinstance(value, list):
-        return _text(value, digits)
-    middle, low, high = value[:3]
-    return f"{_text(middle, digits)} [{_text(low, digits)}, {_text(high, digits)}]"
-
-
 def show(tables, out, seed, repetitions):
     """Prints the tables, and writes them to the file `out`, if there is one."""
     progress("")
     for each in tables:
-        head = [c["name"] + (f", {c['unit']}" if "unit" in c else "") for c in each["columns"]]
-        lines = [head] + [list(map(_cell, row, each["columns"])) for row in each["rows"]]
-        widths = [max(map(len, some)) for some in zip(*lines)]
-        print(f"\n{each['title']}\n")
-        for line in lines:
-            print("  ".join(text.ljust(width) for text, width in zip(line, widths)).rstrip())
-        for note in each["notes"]:
-            print(note)
+        print(f"\n{each['title']}\n\n{markdown(each, each['rows'])}")
+        print(*each["notes"], sep="\n")
     if out:
-        _write(out, tables, seed, repetitions)
-
-
-def _write(path, tables, seed, repetitions):
-    def compact(value):
-        return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
-
-    # A row on each line, as cpuinfo-bench writes them.
-    texts = []
-    for each in tables:
-        head = {key: value for key, value in each.items() if key != "rows"}
-        texts.append(f'{compact(head)[:-1]},"rows":[\n'
-                     + ",\n".join(map(compact, each["rows"])) + "]}")
-    run = json.dumps(context(seed, repetitions), indent=1, ensure_ascii=False)
-    pathlib.Path(path).write_text(
-        f'{{"schema":4,\n"context":{run},\n"tables":[\n' + ",\n".join(texts) + "]}\n",
-        encoding="utf-8")
+        run = {"schema": 4, "context": context(seed, repetitions), "tables": tables}
+        pathlib.Path(out).write_text(json.dumps(run, ensure_ascii=False), encoding="utf-8")

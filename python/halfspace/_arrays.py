@@ -17,8 +17,6 @@ MOST_OBJECTS = 2**31
 MOST_THREADS = 4096
 ALL_MASKS = 2**32 - 1
 MOST_SIZE = 2**64 - 1
-NO_ID = 2**32 - 1
-MOST_FLOAT = float(np.finfo(np.float32).max)
 
 
 class Table(NamedTuple):
@@ -51,25 +49,18 @@ def boxes(
 ) -> Table:
     """Boxes as 2 * d columns: the minima, then the maxima. With `axes`, also bounds as
     2 * axes columns."""
-    if dims is None:
-        expected = (
-            "boxes of shape (n, 6), (n, 4), (6,) or (4,), or two arrays (minima, "
-            "maxima) of shape (n, 3) or (n, 2)"
+    arrays, single = _box_arrays(value, name)
+    allowed = (6, 4) if dims is None else (2 * dims, 2 * (axes or dims))
+    if arrays[0].ndim != 2 or sum(a.shape[1] for a in arrays) not in allowed:
+        each = dict.fromkeys(allowed)
+        shapes = " or ".join(f"(n, {columns}) or ({columns},)" for columns in each)
+        halves = " or ".join(f"(n, {columns // 2})" for columns in each)
+        where = "" if dims is None else f", for a tree of {dims} dimensions"
+        got = [a.shape for a in arrays] if len(arrays) > 1 else [np.shape(value)]
+        raise ValueError(
+            f"{name}: expected boxes of shape {shapes}, or two arrays (minima, maxima) "
+            f"of shape {halves}{where}, got shape {' and '.join(map(str, got))}"
         )
-    else:
-        expected = (
-            f"boxes of shape (n, {2 * dims}) or ({2 * dims},), or two arrays (minima, "
-            f"maxima) of shape (n, {dims}), for a tree of {dims} dimensions"
-        )
-    if axes is not None and axes != dims:
-        expected += f", or octahedra of shape (n, {2 * axes}) or ({2 * axes},)"
-    arrays, single = _box_arrays(value, name, expected)
-    columns = sum(a.shape[1] for a in arrays)
-    allowed = (4, 6) if dims is None else (2 * dims, 2 * (axes or dims))
-    if columns not in allowed:
-        shapes = [a.shape for a in arrays] if len(arrays) > 1 else [np.shape(value)]
-        got = " and ".join(map(str, shapes))
-        raise ValueError(f"{name}: expected {expected}, got shape {got}")
     table = _table(arrays, single, name, most)
     bad = _halfspace.first_bad_box(table.arrays, False)
     if bad >= 0:
@@ -121,7 +112,7 @@ def casts(
             f"{motions.length} and {starts.length}"
         )
     limits = per_row(max_t, "max_t", count)
-    ways = floats(motions.arrays + limits.arrays)
+    ways = floats((*motions.arrays, limits))
     if starts.columns == dims:
         return floats(starts.arrays + ways), ways, single
     is_box = starts.columns == 2 * dims
@@ -138,17 +129,17 @@ def floats(arrays: Arrays) -> Arrays:
 
 
 def points_or_boxes(value: Any, name: str, dims: int) -> Table:
-    if _is_pair_of_tables(value):
-        return boxes(value, name, dims)
-    array = numbers(value, name)
-    if array.ndim in (1, 2) and array.shape[-1] == 2 * dims:
-        return boxes(array, name, dims)
-    others = f", or boxes of shape (n, {2 * dims}) or ({2 * dims},)"
-    return points(array, name, dims, others)
+    if len(_parts_of(value)) != 2:
+        value = numbers(value, name)
+        if value.ndim not in (1, 2) or value.shape[-1] != 2 * dims:
+            others = f", or boxes of shape (n, {2 * dims}) or ({2 * dims},)"
+            return points(value, name, dims, others)
+    return boxes(value, name, dims)
 
 
-def per_row(value: Any, name: str, count: int) -> Table:
-    """One number for each row, or the same number for all, rounded up to float32."""
+def per_row(value: Any, name: str, count: int) -> np.ndarray:
+    """A column of one number for each row, or of the same for all, rounded up to
+    float32."""
     array = numbers(value, name)
     is_right = array.shape in ((), (count,))
     _check_shape(is_right, array, name, f"one number or an array of shape ({count},)")
@@ -157,12 +148,7 @@ def per_row(value: Any, name: str, count: int) -> Table:
         raise ValueError(f"{name}: expected numbers that are not negative and not NaN")
     column: np.ndarray = np.empty((count, 1), np.float32)
     column[:, 0] = _rounded_up(exact)
-    return Table((column,), count, False)
-
-
-def round_up(value: float) -> float:
-    """The least float32 that is not below a number."""
-    return float(_rounded_up(np.array(value, np.float64)))
+    return column
 
 
 def _rounded_up(exact: np.ndarray) -> np.ndarray:
@@ -172,79 +158,50 @@ def _rounded_up(exact: np.ndarray) -> np.ndarray:
     return up
 
 
-def ids(value: Any, name: str) -> np.ndarray:
-    """Ids of objects as uint32."""
+def ids(value: Any, name: str, end: int = MOST_OBJECTS) -> np.ndarray:
+    """Ids of objects below `end` as uint32."""
     array = _array(value, name)
-    if array.size == 0:
-        return np.empty(0, np.uint32)
-    if array.dtype.kind not in "iu" or array.ndim > 1:
-        raise TypeError(
-            f"{name}: expected an integer or a one-dimensional array of integers, "
-            f"got {array.dtype} of shape {array.shape}"
-        )
-    return _unsigned(array, name, MOST_OBJECTS, "the id of an object")
+    expected = "an integer or a one-dimensional array of integers"
+    _check_shape(array.ndim <= 1, array, name, expected)
+    return _unsigned(array, name, end, "the id of an object")
 
 
-def masks(categories: Any, collides_with: Any, count: int) -> np.ndarray:
-    """Rows of a category and what it collides with, as uint32. None means all bits."""
-    table: np.ndarray = np.full((count, 2), ALL_MASKS, np.uint32)
-    if categories is not None:
-        table[:, 0] = _masks(categories, "categories", count)
-    if collides_with is not None:
-        table[:, 1] = _masks(collides_with, "collides_with", count)
-    return table
-
-
-def masks_of_each(value: Any, name: str, count: int) -> np.ndarray:
-    """A mask for each row, or no mask if `value` is None."""
-    if value is None:
-        return np.empty(0, np.uint32)
-    return np.full(count, _masks(value, name, count))
+def masks(value: Any, name: str, count: int) -> np.ndarray:
+    """A mask for each row, as uint32."""
+    array = _array(value, name)
+    is_right = array.shape in ((), (count,))
+    _check_shape(is_right, array, name, f"one integer or an array of shape ({count},)")
+    limit = "an integer from 0 to 2^32 - 1"
+    return np.full(count, _unsigned(array, name, 2**32, limit))
 
 
 def margin(value: Any) -> float:
     """A finite float32 that is not negative and not below a number."""
     distance = not_negative(value, "margin")
-    if distance > MOST_FLOAT:
+    if math.isinf(distance):
         raise ValueError(f"margin: expected a finite float32, got {distance}")
-    return round_up(distance)
-
-
-def _masks(value: Any, name: str, count: int) -> np.ndarray:
-    array = _array(value, name)
-    is_right = array.shape in ((), (count,))
-    _check_shape(is_right, array, name, f"one integer or an array of shape ({count},)")
-    if array.dtype.kind not in "iu" and array.size:
-        raise TypeError(f"{name}: expected integers of 32 bits, got {array.dtype}")
-    return _unsigned(array, name, 2**32, "an integer from 0 to 2^32 - 1")
+    return distance
 
 
 def mask(value: Optional[int]) -> int:
     """32 bits. None means all."""
-    if value is None:
-        return ALL_MASKS
-    number = _integer(value, "mask")
-    if not 0 <= number <= ALL_MASKS:
-        raise ValueError(f"mask: expected an integer from 0 to 2^32 - 1, got {number}")
-    return number
+    return ALL_MASKS if value is None else _integer(value, "mask", 0, ALL_MASKS)
 
 
 def spheres(centers: Any, radii: Any, dims: int) -> Table:
     """Spheres as d + 1 columns: floats that enclose those of doubles."""
     table = points(centers, "centers", dims)
     limits = per_row(radii, "radii", table.length)
-    if table.arrays[0].dtype == np.float64:
-        exact = np.concatenate(table.arrays, axis=1)
+    (exact,) = table.arrays
+    if exact.dtype == np.float64:
         with np.errstate(over="ignore", invalid="ignore"):
             rounded = exact.astype(np.float32)
-            apart = np.linalg.norm(exact - rounded, axis=1)
-            enclosing = limits.arrays[0][:, 0] + 1.000001 * apart
-        table = table._replace(arrays=(rounded,))
+            apart = np.linalg.norm(exact - rounded, axis=1, keepdims=True)
+            limits = _rounded_up(limits + 1.000001 * apart)
         # A center beyond the floats is a query of everything.
-        enclosing[np.isnan(enclosing)] = np.inf
-        limits = per_row(enclosing, "radii", table.length)
-    columns = np.concatenate(table.arrays + limits.arrays, axis=1)
-    return table._replace(arrays=(columns,))
+        limits[np.isnan(limits)] = np.inf
+        exact = rounded
+    return table._replace(arrays=(np.concatenate([exact, limits], axis=1),))
 
 
 def rounded_boxes(boxes: Table, within: Any) -> Table:
@@ -252,7 +209,7 @@ def rounded_boxes(boxes: Table, within: Any) -> Table:
     of doubles."""
     limits = per_row(within, "within", boxes.length)
     low, high = np.split(np.concatenate(boxes.arrays, axis=1), 2, axis=1)
-    enclosing = (-_rounded_up(-low), _rounded_up(high), *limits.arrays)
+    enclosing = (-_rounded_up(-low), _rounded_up(high), limits)
     return boxes._replace(arrays=(np.concatenate(enclosing, axis=1),))
 
 
@@ -283,14 +240,14 @@ def faces(value: Any, name: str, count: int) -> np.ndarray:
     if array.shape == (0,):
         array = array.reshape(0, 3)
     _check_shape(array.shape[1:] == (3,), array, name, "shape (n, 3)")
-    if array.size and array.dtype.kind not in "iu":
-        raise TypeError(f"{name}: expected integers, got {array.dtype}")
     return _unsigned(array, name, count, f"indices from 0 to {count - 1}")
 
 
 def _unsigned(array: np.ndarray, name: str, end: int, expected: str) -> np.ndarray:
     """A contiguous array of uint32. Its integers must be below `end`."""
     array = np.atleast_1d(array)
+    if array.size and array.dtype.kind not in "iu":
+        raise TypeError(f"{name}: expected integers, got {array.dtype}")
     bad = np.argwhere((array < 0) | (array >= end))
     if len(bad):
         i = int(bad[0, 0])
@@ -323,7 +280,7 @@ def how(
 
 
 def not_negative(value: Any, name: str) -> float:
-    """A number from 0 to infinity, rounded up to float64."""
+    """A number from 0 to infinity, rounded up to float32."""
     _refuse_masked(value, name)
     try:
         number = float(value)
@@ -337,35 +294,32 @@ def not_negative(value: Any, name: str) -> float:
         raise ValueError(
             f"{name}: expected a number that is not negative, got {number}"
         )
-    return number
+    return float(_rounded_up(np.array(number)))
 
 
 def positive(value: Any, name: str, most: int = 2**31 - 1) -> int:
     """An integer from 1 to `most`."""
-    number = _integer(value, name)
-    if not 1 <= number <= most:
-        raise ValueError(f"{name}: expected an integer from 1 to {most}, got {number}")
-    return number
+    return _integer(value, name, 1, most)
 
 
 def budget(value: Optional[int]) -> int:
     """An integer from 0 to 2^64 - 1. None means no limit of the caller's."""
-    if value is None:
-        return MOST_SIZE
-    number = _integer(value, "budget")
-    if number < 0:
-        raise ValueError(f"budget: expected at least 0, got {number}")
-    return min(number, MOST_SIZE)
+    return MOST_SIZE if value is None else _integer(value, "budget", 0, MOST_SIZE)
 
 
-def _integer(value: Any, name: str) -> int:
+def _integer(value: Any, name: str, least: int, most: int) -> int:
     _refuse_masked(value, name)
     try:
-        return operator.index(value)
+        number = operator.index(value)
     except TypeError:
         raise TypeError(
             f"{name}: expected an integer, got {type(value).__name__}"
         ) from None
+    if not least <= number <= most:
+        raise ValueError(
+            f"{name}: expected an integer from {least} to {most}, got {number}"
+        )
+    return number
 
 
 def _repeat(table: Table, count: int) -> Table:
@@ -375,54 +329,34 @@ def _repeat(table: Table, count: int) -> Table:
     return Table(arrays, count, False)
 
 
-def _box_arrays(
-    value: Any, name: str, expected: str
-) -> Tuple[List[np.ndarray], bool]:
-    if _is_pair_of_tables(value):
-        pair = [_array(v, name) for v in value]
-        if pair[0].shape != pair[1].shape:
-            raise ValueError(
-                f"{name}: expected minima and maxima of the same shape, got "
-                f"{pair[0].shape} and {pair[1].shape}"
-            )
-        return pair, False
-    columns = _columns_of(value)
-    if columns:
-        arrays = [_column(c, f"{name}[{i}]") for i, c in enumerate(columns)]
-        lengths = [len(a) for a in arrays]
-        if len(set(lengths)) != 1:
-            raise ValueError(
-                f"{name}: expected columns of the same length, got lengths {lengths}"
-            )
-        if lengths[0] == len(columns):
-            raise ValueError(
-                f"{name}: a tuple of {len(columns)} arrays of length {lengths[0]} can be "
-                "rows or columns: pass a list of rows, or numpy.column_stack(columns)"
-            )
-        return arrays, False
-    array = numbers(value, name)
-    if array.ndim == 1:
-        return [array.reshape(1, -1)], True
-    _check_shape(array.ndim == 2, array, name, expected)
-    return [array], False
+def _box_arrays(value: Any, name: str) -> Tuple[List[np.ndarray], bool]:
+    """The arrays of boxes, and whether they are one box."""
+    parts = _parts_of(value)
+    if not parts:
+        array = numbers(value, name)
+        return [array.reshape(1, -1) if array.ndim == 1 else array], array.ndim == 1
+    arrays = [_part(v, f"{name}[{i}]") for i, v in enumerate(parts)]
+    shapes = [a.shape for a in arrays]
+    if len(set(shapes)) != 1:
+        raise ValueError(f"{name}: expected arrays of the same shape, got {shapes}")
+    if len(parts) > 2 and len(arrays[0]) == len(parts):
+        raise ValueError(
+            f"{name}: a tuple of {len(parts)} arrays of length {len(parts)} can be "
+            "rows or columns: pass a list of rows, or numpy.column_stack(columns)"
+        )
+    return arrays, False
 
 
-def _is_pair_of_tables(value: Any) -> bool:
-    """Whether `value` is a pair of two-dimensional arrays: minima and maxima."""
-    if not isinstance(value, (tuple, list)) or len(value) != 2:
-        return False
-    return all(_ndim(v) == 2 for v in value)
-
-
-def _columns_of(value: Any) -> Sequence[Any]:
-    """The columns, if `value` is a tuple of 4 or 6 one-dimensional arrays."""
-    if not isinstance(value, (tuple, list)) or len(value) not in (4, 6):
-        return []
-    if all(hasattr(v, "__arrow_c_array__") for v in value):
+def _parts_of(value: Any) -> Sequence[Any]:
+    """The minima and maxima, if `value` is a pair of two-dimensional arrays, or the
+    columns, if it is a tuple of 4 or 6 one-dimensional arrays."""
+    if not isinstance(value, (tuple, list)) or len(value) not in (2, 4, 6):
+        return ()
+    if len(value) > 2 and all(hasattr(v, "__arrow_c_array__") for v in value):
         return value
-    if isinstance(value, tuple) and all(_ndim(v) == 1 for v in value):
-        return value
-    return []
+    ndim = 2 if len(value) == 2 else 1
+    is_right = isinstance(value, tuple) or ndim == 2
+    return value if is_right and all(_ndim(v) == ndim for v in value) else ()
 
 
 def _ndim(value: Any) -> Optional[int]:
@@ -434,10 +368,12 @@ def _ndim(value: Any) -> Optional[int]:
     return None
 
 
-def _column(value: Any, name: str) -> np.ndarray:
+def _part(value: Any, name: str) -> np.ndarray:
     if hasattr(value, "__arrow_c_array__") and not hasattr(value, "__array_interface__"):
-        return _arrow.column(value, name).reshape(-1, 1)
-    return numbers(value, name).reshape(-1, 1)
+        array = _arrow.column(value, name)
+    else:
+        array = numbers(value, name)
+    return array.reshape(-1, 1) if array.ndim == 1 else array
 
 
 def _array(value: Any, name: str) -> np.ndarray:
@@ -511,22 +447,10 @@ def _table(
             f"{name}: expected fewer than 2^31 boxes, got {count}: build several trees"
         )
     types = {_float_type(a, name) for a in arrays}
-    dtype = np.dtype(np.float32 if types == {np.float32} else np.float64)
-    if not _is_readable(arrays, dtype):
+    if not _halfspace.can_read(tuple(arrays)):
+        dtype = np.float32 if types == {np.float32} else np.float64
         arrays = [np.concatenate([a.astype(dtype) for a in arrays], axis=1)]
     return Table(tuple(arrays), count, single)
-
-
-def _is_readable(arrays: Sequence[np.ndarray], dtype: np.dtype) -> bool:
-    """Whether the compiled part can read the arrays without a copy."""
-    stride = arrays[0].strides[0]
-    is_right = stride > 0 and stride % dtype.itemsize == 0
-    return all(
-        a.dtype == dtype
-        and a.flags.aligned
-        and (len(a) <= 1 or (is_right and a.strides[0] == stride))
-        for a in arrays
-    )
 
 
 def _without_nan(array: np.ndarray, name: str) -> Table:
@@ -542,16 +466,15 @@ def _without_nan(array: np.ndarray, name: str) -> Table:
 def _raise_bad_box(table: Table, name: str, row: int) -> None:
     box = np.concatenate([a[row] for a in table.arrays])
     where = name if table.single else f"{name}[{row}]"
-    values = "[" + ", ".join(repr(float(v)) for v in box) + "]"
+    values = box.tolist()
     if np.isnan(box).any():
         raise ValueError(
             f"{where}: expected numbers, got NaN in {values}. An object without an "
             "extent is the empty box, with minima of inf and maxima of -inf"
         )
-    half = len(box) // 2
-    axis = int((box[:half] > box[half:]).argmax())
+    low, high = np.split(box, 2)
+    axis = int((low > high).argmax())
     raise ValueError(
-        f"{where}: expected min <= max, got min {float(box[axis])!r} > max "
-        f"{float(box[half + axis])!r} on axis {axis} of {values}. The columns are "
-        "the minima of all axes, then the maxima"
+        f"{where}: expected min <= max, got min {low[axis]} > max {high[axis]} on axis "
+        f"{axis} of {values}. The columns are the minima of all axes, then the maxima"
     )

@@ -4,28 +4,15 @@ https://arrow.apache.org/docs/format/CDataInterface.html describes."""
 from __future__ import annotations
 
 import ctypes
-from typing import Any
+import struct
+from typing import Any, Tuple
 
 import numpy as np
 
-
-class _Schema(ctypes.Structure):
-    _fields_ = [
-        ("format", ctypes.c_char_p),
-        *((name, ctypes.c_void_p) for name in ("name", "metadata")),
-        *((name, ctypes.c_int64) for name in ("flags", "n_children")),
-        *((name, ctypes.c_void_p) for name in ("children", "dictionary", "release", "own")),
-    ]
-
-
-class _Array(ctypes.Structure):
-    _fields_ = [
-        *((name, ctypes.c_int64) for name in ("length", "null_count", "offset")),
-        *((name, ctypes.c_int64) for name in ("n_buffers", "n_children")),
-        ("buffers", ctypes.POINTER(ctypes.c_void_p)),
-        *((name, ctypes.c_void_p) for name in ("children", "dictionary", "release", "own")),
-    ]
-
+# The members of struct ArrowSchema, of struct ArrowArray, and of its buffers.
+_SCHEMA = struct.Struct("@3P2q4P")
+_ARRAY = struct.Struct("@5q5P")
+_BUFFERS = struct.Struct("@2P")
 
 # A prototype of its own, as other users of ctypes.pythonapi set other types.
 _pointer_of = ctypes.PYFUNCTYPE(ctypes.c_void_p, ctypes.py_object, ctypes.c_char_p)(
@@ -33,6 +20,10 @@ _pointer_of = ctypes.PYFUNCTYPE(ctypes.c_void_p, ctypes.py_object, ctypes.c_char
 )
 
 _TYPES = {b"f": np.dtype(np.float32), b"g": np.dtype(np.float64)}
+
+
+def _members(layout: struct.Struct, address: int) -> Tuple[Any, ...]:
+    return layout.unpack(ctypes.string_at(address, layout.size))
 
 
 def _memory(address: int, dtype: np.dtype, length: int, owner: Any) -> np.ndarray:
@@ -47,23 +38,24 @@ def column(value: Any, name: str) -> np.ndarray:
     made = value.__arrow_c_array__()
     if not isinstance(made, tuple) or len(made) != 2:
         raise TypeError(f"{name}: expected __arrow_c_array__() to return two capsules")
-    schema = _Schema.from_address(_pointer_of(made[0], b"arrow_schema"))
-    array = _Array.from_address(_pointer_of(made[1], b"arrow_array"))
-    if not schema.release or not array.release:
+    schema = _members(_SCHEMA, _pointer_of(made[0], b"arrow_schema"))
+    array = _members(_ARRAY, _pointer_of(made[1], b"arrow_array"))
+    if not schema[7] or not array[8]:
         raise ValueError(f"{name}: expected an Arrow array, got one that was released")
-    dtype: Any = _TYPES.get(schema.format)
+    letters = ctypes.string_at(schema[0])
+    dtype: Any = _TYPES.get(letters)
     if dtype is None:
         raise TypeError(
             f"{name}: expected an Arrow array of float or double, got the Arrow format "
-            f'"{schema.format.decode()}"'
+            f'"{letters.decode()}"'
         )
-    length, offset = array.length, array.offset
-    if array.n_buffers != 2 or length < 0 or offset < 0:
+    length, null_count, offset, n_buffers, _, buffers = array[:6]
+    if n_buffers != 2 or length < 0 or offset < 0:
         raise ValueError(
             f"{name}: expected an Arrow array with 2 buffers, got a malformed one"
         )
-    bitmap, values = array.buffers[0], array.buffers[1]
-    if array.null_count != 0 and bitmap and length > 0:
+    bitmap, values = _members(_BUFFERS, buffers)
+    if null_count != 0 and bitmap and length > 0:
         size = (offset + length + 7) // 8
         bits = _memory(bitmap, np.dtype(np.uint8), size, made[1])
         present = np.unpackbits(bits, bitorder="little")[offset : offset + length]

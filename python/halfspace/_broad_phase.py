@@ -31,10 +31,9 @@ class BroadPhase(Searches):
 
     Notes
     -----
-    Boxes are arrays as in `BVH`: float32, or float64, which is rounded outward.
-    A NaN, or a minimum above a maximum, raises ValueError, and masked values raise
-    TypeError. Methods that change bodies raise ValueError with the row of a wrong
-    id, and change nothing then. Memory grows with the greatest id.
+    Boxes are arrays as in `BVH`, with the same rounding and errors. Methods that
+    change bodies raise ValueError with the row of a wrong id, and change nothing
+    then. Memory grows with the greatest id.
 
     The searches are those of `BVH`. With `mask`, they find only the bodies whose
     category has one of its bits.
@@ -91,7 +90,7 @@ class BroadPhase(Searches):
         erased one continues its pairs.
         """
         arrays, wanted = self._rows(ids, boxes)
-        masks = _arrays.masks(categories, collides_with, len(wanted))
+        masks = _masks(categories, collides_with, len(wanted))
         self._tree.insert(wanted, arrays, masks)
 
     def erase(self, ids: Any) -> None:
@@ -106,7 +105,7 @@ class BroadPhase(Searches):
     def set_masks(self, ids: Any, categories: Any, collides_with: Any) -> None:
         """Changes the masks of bodies, which are those of `insert`."""
         wanted = _arrays.ids(ids, "ids")
-        masks = _arrays.masks(categories, collides_with, len(wanted))
+        masks = _masks(categories, collides_with, len(wanted))
         self._tree.set_masks(wanted, masks)
 
     def update(
@@ -129,12 +128,10 @@ class BroadPhase(Searches):
     ) -> Tuple[np.ndarray, np.ndarray]:
         """Finds all pairs, and returns what has changed since the last call.
 
-        Returns
-        -------
-        began, ended : ndarray of int64, shape (n, 2)
-            The pairs that are new, and those that are none any more, with `a <
-            b`, and sorted. The bodies of a pair overlap, and the category of
-            each has a bit of the other's `collides_with`.
+        Returns `began, ended`: the pairs that are new, and those that are none any
+        more, as arrays of int64 with the shape (n, 2), with `a < b`, and sorted. The
+        bodies of a pair overlap, and the category of each has a bit of the other's
+        `collides_with`.
         """
         return self._tree.update_pairs(_arrays.threads(threads))
 
@@ -222,6 +219,15 @@ class BroadPhase(Searches):
         if table.columns == 2 * self._axes:
             return table
         return table._replace(arrays=(self._tree.octahedra(table.arrays),))
+
+
+def _masks(categories: Any, collides_with: Any, count: int) -> np.ndarray:
+    table: np.ndarray = np.full((count, 2), _arrays.ALL_MASKS, np.uint32)
+    if categories is not None:
+        table[:, 0] = _arrays.masks(categories, "categories", count)
+    if collides_with is not None:
+        table[:, 1] = _arrays.masks(collides_with, "collides_with", count)
+    return table
 
 
 def _unpickle(

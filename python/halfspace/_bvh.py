@@ -171,15 +171,11 @@ class BVH(Searches):
         exact tree, whose float64 boxes are not stored either.
         """
         self._check_is_not_exact()
-        return self._blob()
+        return memoryview(self._tree.blob())
 
     def _check_is_not_exact(self) -> None:
         if self._tree.is_exact:
             raise TypeError("expected a tree that is not exact: pickle an exact one")
-
-    def _blob(self) -> memoryview:
-        blob: Any = self._tree.blob()  # a buffer
-        return memoryview(blob)
 
     def save(self, path: Path) -> None:
         """Writes the tree to a file for `map`.
@@ -193,7 +189,7 @@ class BVH(Searches):
 
     def __reduce_ex__(self, protocol: Any) -> Tuple[Any, ...]:
         # Out of band if the pickler has a buffer_callback, and in band if not.
-        blob = self._blob()
+        blob = memoryview(self._tree.blob())
         data = pickle.PickleBuffer(blob) if protocol >= 5 else bytes(blob)
         doubles = (self._tree.doubles(),) if self._tree.is_exact else ()
         return _unpickle, (type(self), data, *doubles), getattr(self, "__dict__", None)
@@ -247,44 +243,37 @@ class BVH(Searches):
         self, table: _arrays.Table, most: int, how: _arrays.How
     ) -> Iterator[np.ndarray]:
         changes = self._tree.changes
+        for batch in self._unchecked_batches(table, most, how):
+            if self._tree.changes != changes:
+                raise RuntimeError("the tree changed during query_batches")
+            if batch.shape[1]:
+                yield batch
+
+    def _unchecked_batches(
+        self, table: _arrays.Table, most: int, how: _arrays.How
+    ) -> Iterator[np.ndarray]:
         step = 1 << 16  # boxes that are counted at a time
         for first in range(0, table.length, step):
             block = table.rows(first, min(first + step, table.length))
-            counts = self._tree.count(block.arrays, how)
-            ends = np.cumsum(counts, dtype=np.int64)
+            ends = np.cumsum(self._tree.count(block.arrays, how))
             begin, found = 0, 0
             while begin < block.length:
                 # As many rows as have at most so many results, or one.
                 end = int(np.searchsorted(ends, found + most, "right"))
-                for batch in self._batch(block, begin, end, most, how):
-                    self._check_unchanged(changes)
-                    batch[0] += first
+                if end > begin:
+                    batch = self._query(block.rows(begin, end), how)
+                    batch[0] += first + begin
                     yield batch
-                # Also if the change left no results.
-                self._check_unchanged(changes)
-                begin = max(end, begin + 1)
-                found = int(ends[begin - 1])
-
-    def _check_unchanged(self, changes: int) -> None:
-        if self._tree.changes != changes:
-            raise RuntimeError("the tree changed during query_batches")
-
-    def _batch(
-        self, block: _arrays.Table, begin: int, end: int, most: int, how: _arrays.How
-    ) -> Iterator[np.ndarray]:
-        if end > begin:
-            batch = self._query(block.rows(begin, end), how)
-            batch[0] += begin
-            if batch.shape[1]:
-                yield batch
-            return
-        arrays = block.rows(begin, begin + 1).arrays
-        skip, total = 0, 1
-        while skip < total:
-            ids, total = self._tree.query_some(arrays, how[0], skip, most)
-            skip += most
-            if len(ids):
-                yield np.stack([np.full(len(ids), begin, np.int64), ids])
+                else:
+                    end = begin + 1
+                    arrays = block.rows(begin, end).arrays
+                    skip, total = 0, 1
+                    while skip < total:
+                        ids, total = self._tree.query_some(arrays, how[0], skip, most)
+                        yield np.stack([np.full(len(ids), first + begin, np.int64), ids])
+                        skip += most
+                begin, found = end, int(ends[end - 1])
+        yield np.empty((2, 0), np.int64)  # a change after the last batch is seen, too
 
     def raycast(
         self,
@@ -344,7 +333,7 @@ class BVH(Searches):
         ids, distances, closest = self._tree.closest_points(
             _arrays.floats(table.arrays),
             its_triangles,
-            _arrays.round_up(_arrays.not_negative(max_distance, "max_distance")),
+            _arrays.not_negative(max_distance, "max_distance"),
             _arrays.how(mask, threads, progress),
         )
         if table.single:
@@ -368,7 +357,7 @@ class BVH(Searches):
 
         With `margin`, also those that are at most `margin` apart on each axis. It
         is rounded up to float32. With `mask`, the masks of both objects have one of
-        its bits.
+        its bits. `threads` and `progress` are those of `BVH`.
 
         Returns `i, j`, an array of int64 with the shape (2, n), with `i < j`.
         Each pair is found once. The order of the pairs is unspecified, but
@@ -451,16 +440,13 @@ class BVH(Searches):
     def set_masks(self, masks: Any, ids: Any = None) -> None:
         """Sets the masks of objects, for the `mask` of searches.
 
-        Without `ids`, element i of `masks` is the mask of object i, and there must
-        be one for every id up to the greatest. With `ids`, it is that of object
-        `ids[i]`. One integer is the mask of all of them. Masks have 32 bits, and
-        new objects have all.
+        `ids` is as in `refit`. One integer is the mask of all objects or of all
+        `ids`. Masks have 32 bits, and new objects have all.
         """
         wanted = np.empty(0, np.uint32) if ids is None else _arrays.ids(ids, "ids")
         count = self._tree.id_limit() if ids is None else len(wanted)
         if count:
-            its_masks = _arrays.masks_of_each(masks, "masks", count)
-            self._tree.set_masks(wanted, its_masks)
+            self._tree.set_masks(wanted, _arrays.masks(masks, "masks", count))
 
     def changing(self) -> _halfspace.Changing:
         """Changes the tree while other threads use it: `with tree.changing():`.
@@ -483,7 +469,7 @@ class BVH(Searches):
 
         A file that `save` writes has the same size.
         """
-        return self._tree.nbytes() + self._tree.nbytes_of_doubles
+        return self._tree.nbytes()
 
     @property
     def bounds(self) -> np.ndarray:
@@ -503,14 +489,7 @@ class BVH(Searches):
             doubles = self._tree.doubles()[: boxes.size].reshape(boxes.shape)
             is_there = boxes[:, :1] <= boxes[:, self.dims, None]
             boxes = np.where(is_there, doubles, boxes)
-        if ids is None:
-            return boxes
-        wanted = _arrays.ids(ids, "ids")
-        if len(wanted) and wanted.max() >= len(boxes):
-            raise ValueError(
-                f"ids: expected ids below {len(boxes)}, got {wanted.max()}"
-            )
-        return boxes[wanted]
+        return boxes if ids is None else boxes[_arrays.ids(ids, "ids", len(boxes))]
 
     def __repr__(self) -> str:
         return f"<halfspace.BVH: {len(self)} boxes in {self.dims} dimensions>"
@@ -528,12 +507,10 @@ def join(
     """Finds all pairs of an object of `a` and an object of `b` that overlap.
 
     Returns `i, j`, an array of int64 with the shape (2, n): object `i[k]` of `a`
-    overlaps object `j[k]` of `b`. The order of the pairs is unspecified, but
-    equal calls return the same order. `threads` and `progress` are those of
-    `BVH`, and `margin` and `mask` those of `BVH.pairs`. If one of the trees is
-    exact, the join compares float64 boxes. The boxes of the other tree are the
-    float32 boxes that it stores. To group the pairs by `i`, call `b.query` with
-    the boxes of `a`.
+    overlaps object `j[k]` of `b`. Their order, and the other arguments, are as in
+    `BVH.pairs`. If one of the trees is exact, the join compares float64 boxes. The
+    boxes of the other tree are the float32 boxes that it stores. To group the pairs
+    by `i`, call `b.query` with the boxes of `a`.
     """
     for name, tree in (("a", a), ("b", b)):
         if not isinstance(tree, BVH):
@@ -549,17 +526,10 @@ def join(
 def bounds_of_triangles(vertices: Any, faces: Any) -> np.ndarray:
     """Returns the box of each triangle of a mesh.
 
-    Parameters
-    ----------
-    vertices : array_like, shape (v, 3) or (v, 2)
-    faces : array_like of integers, shape (n, 3)
-        Row i has the indices of the three vertices of triangle i.
-
-    Returns
-    -------
-    ndarray of float32, shape (n, 6) or (n, 4)
-        The minima, then the maxima, as `BVH` reads them. float64 is rounded
-        outward.
+    `vertices` has the shape (v, 3) or (v, 2), and `faces` the shape (n, 3): row i has
+    the indices of the three vertices of triangle i. Returns an array of float32 with
+    the shape (n, 6) or (n, 4), the minima and then the maxima, as `BVH` reads them.
+    float64 is rounded outward.
     """
     corners = _arrays.vertices(vertices, "vertices")
     indices = _arrays.faces(faces, "faces", len(corners))
@@ -581,16 +551,16 @@ def _is_fast(quality: Any) -> bool:
     return quality == "fast"
 
 
-def _load(blob: Any, name: str, verify: bool) -> _halfspace.Tree:
+def _load(
+    blob: Any, name: str, verify: bool, doubles: Optional[np.ndarray] = None
+) -> _halfspace.Tree:
     data = np.frombuffer(blob, np.uint8)
+    its = np.empty(0) if doubles is None else doubles
     try:
-        return _halfspace.Tree.from_blob(data, bool(verify))
+        return _halfspace.Tree.from_blob(data, bool(verify), doubles is not None, its)
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from None
 
 
 def _unpickle(cls: Type[BVH], blob: Any, doubles: Optional[np.ndarray] = None) -> BVH:
-    tree = _load(blob, "pickle of a halfspace.BVH", False)
-    if doubles is not None:
-        tree.set_doubles(doubles)
-    return cls._of(tree)
+    return cls._of(_load(blob, "pickle of a halfspace.BVH", False, doubles))

@@ -47,15 +47,13 @@ class Scan:
         """Counts the objects that overlap each box, as `BVH.count`."""
         table = self._boxes(boxes)
         counts = self._scan.count(table.arrays, _arrays.threads(threads))
-        return int(counts[0, 0]) if table.single else counts[:, 0].astype(np.int64)
+        return int(counts[0, 0]) if table.single else counts[:, 0]
 
     def any(self, boxes: Any, *, threads: Optional[int] = 1) -> Union[np.ndarray, bool]:
         """Returns for each box whether an object overlaps it, as `BVH.any`."""
         table = self._boxes(boxes)
         ids = self._scan.any(table.arrays, _arrays.threads(threads))
-        if table.single:
-            return int(ids[0, 0]) != _arrays.NO_ID
-        return ids[:, 0] != _arrays.NO_ID
+        return int(ids[0, 0]) >= 0 if table.single else ids[:, 0] >= 0
 
     def mask(self, boxes: Any, *, threads: Optional[int] = 1) -> np.ndarray:
         """Returns for each box and each object whether they overlap.

@@ -13,11 +13,7 @@ Progress = Callable[[int, int], object]
 
 class Searches:
     """The searches that `BVH` and `BroadPhase` share. The objects of the second are
-    its bodies.
-
-    Each takes `mask`: it then finds only the objects whose mask has one of its bits.
-    The mask of a body is its category.
-    """
+    its bodies, whose masks are their categories."""
 
     __slots__ = ()
 
@@ -124,7 +120,7 @@ class Searches:
                 return count
         table = self._boxes(boxes)
         counts = self._tree.count(table.arrays, _arrays.how(mask, threads, progress))
-        return int(counts[0, 0]) if table.single else counts[:, 0].astype(np.int64)
+        return int(counts[0, 0]) if table.single else counts[:, 0]
 
     def any(
         self,
@@ -142,14 +138,12 @@ class Searches:
         if type(boxes) is np.ndarray and boxes.ndim == 1:
             found = self._tree.any_one(boxes, _arrays.mask(mask))
             if found is not None:
-                return found != _arrays.NO_ID
+                return found >= 0
         if self._tree.is_exact:
             return self.count(boxes, mask=mask, threads=threads, progress=progress) > 0
         table = self._boxes(boxes)
         ids = self._tree.any(table.arrays, _arrays.how(mask, threads, progress))
-        if table.single:
-            return int(ids[0, 0]) != _arrays.NO_ID
-        return ids[:, 0] != _arrays.NO_ID
+        return int(ids[0, 0]) >= 0 if table.single else ids[:, 0] >= 0
 
     def nearest(
         self,
@@ -213,7 +207,7 @@ class Searches:
         ids, distances = self._tree.nearest(
             table.arrays,
             _arrays.positive(k, "k"),
-            _arrays.round_up(_arrays.not_negative(max_distance, "max_distance")),
+            _arrays.not_negative(max_distance, "max_distance"),
             bool(exclusive),
             bool(all_ties),
             _arrays.how(mask, threads, progress),
@@ -314,9 +308,7 @@ class Searches:
     ) -> Tuple[Any, Any]:
         """Finds the first box that each sphere touches on its way, or all.
 
-        `centers` has the shape (m, d) or (d,), and `radii` is one number, or
-        one for each center. float64 spheres are enclosed. The rest is as in
-        `boxcast`.
+        Spheres are those of `query_sphere`. The rest is as in `boxcast`.
         """
         starts = _arrays.spheres(centers, radii, self.dims)
         how = _arrays.how(mask, threads, progress)
@@ -362,12 +354,12 @@ class Searches:
         the objects whose mask has a bit of it. If both are in the set, the
         mask of either is enough.
         """
-        chosen = _arrays.ids(ids, "ids")
+        chosen, none = _arrays.ids(ids, "ids"), np.empty(0, np.uint32)
         return self._tree.pairs_of(
             chosen,
             _arrays.margin(margin),
             _arrays.mask(mask),
-            _arrays.masks_of_each(wanted, "wanted", len(chosen)),
+            none if wanted is None else _arrays.masks(wanted, "wanted", len(chosen)),
         )
 
     @property

@@ -148,10 +148,7 @@ class STRtree:
         all_matches : bool
             Returns all that are equally near, and not only the first of them.
 
-        Returns
-        -------
-        ndarray of int64, shape (2, n) or (n,)
-            As `query` does.
+        Returns indices as `query` does.
         """
         limit = _max_distance(max_distance)
         _check_flag(exclusive, "exclusive")
@@ -263,11 +260,8 @@ def sjoin(
         of the other frame becomes the column `index_right` or `index_left`, or for a
         MultiIndex the columns `index_right0`, `index_right1` and so on.
 
-    Returns
-    -------
-    GeoDataFrame
-        With the columns of `geopandas.sjoin` in geopandas 0.12. The rows are in the
-        order of the frame whose index it has, then of the other frame.
+    Returns a GeoDataFrame with the columns of `geopandas.sjoin` in geopandas 0.12. The
+    rows are in the order of the frame whose index it has, then of the other frame.
     """
     _check_frames(left_df, right_df, how, lsuffix, rsuffix)
     if predicate == "within":

@@ -33,12 +33,6 @@ void BoundBoxes(hs_kind kind, const hs_columns& boxes, float* records) {
 // The object of Python. It has the lock of the broad phase, and one for the
 // pairs of the last update, which are the memory of the broad phase.
 struct Bodies {
-  Bodies(hs_broad_phase* its_bodies, std::size_t its_dims, hs_kind its_kind)
-      : bodies(its_bodies),
-        dims(its_dims),
-        kind(its_kind),
-        values(hs_bound_values(its_kind)) {}
-
   std::unique_ptr<hs_broad_phase, Destroy<&hs_broad_phase_destroy>> bodies;
   std::size_t dims;
   hs_kind kind;
@@ -89,10 +83,6 @@ void Update(const Bodies& bodies, std::size_t budget, std::size_t threads) {
   its_threads.Check(kFunction(bodies.get(), &options));
 }
 
-std::size_t Length(const ShortIds& ids) {
-  return static_cast<std::size_t>(ids.size());
-}
-
 // The masks of `count` bodies.
 const hs_body_masks* MasksIn(const Masks& masks, std::size_t count) {
   static_assert(sizeof(hs_body_masks) == 2 * sizeof(std::uint32_t));
@@ -118,13 +108,15 @@ std::unique_ptr<Bodies> MakeBodies(std::size_t dims, bool is_aabo,
   config.moves_wait_for_update = moves_wait_for_update ? 1 : 0;
   hs_broad_phase* bodies = nullptr;
   Check(hs_broad_phase_create(&config, &bodies));
-  return std::make_unique<Bodies>(bodies, dims, config.kind);
+  return std::unique_ptr<Bodies>(new Bodies{
+      {bodies, {}}, dims, config.kind, hs_bound_values(config.kind), {}});
 }
 
 std::unique_ptr<Bodies> Copy(const Bodies& bodies) {
   hs_broad_phase* copy = nullptr;
   Call(&hs_broad_phase_copy, bodies.get(), &copy);
-  return std::make_unique<Bodies>(copy, bodies.dims, bodies.kind);
+  return std::unique_ptr<Bodies>(
+      new Bodies{{copy, {}}, bodies.dims, bodies.kind, bodies.values, {}});
 }
 
 void Insert(const Bodies& bodies, const ShortIds& ids, const py::tuple& arrays,
@@ -200,8 +192,7 @@ py::bytes Save(const Bodies& bodies) {
 void Load(Bodies& bodies, const py::array_t<std::uint8_t>& bytes) {
   const py::gil_scoped_release release;
   const std::scoped_lock lock(bodies.pairs);
-  Check(hs_broad_phase_load(bodies.get(), bytes.data(),
-                            static_cast<std::size_t>(bytes.size())));
+  Check(hs_broad_phase_load(bodies.get(), bytes.data(), Length(bytes)));
 }
 
 py::array_t<float> BoundsOfAll(const Bodies& bodies) {

@@ -1,11 +1,8 @@
 #include "columns.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
 #include <new>
-#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -54,69 +51,6 @@ std::ptrdiff_t FirstBadBoxOf(const hs_columns& boxes, std::size_t dims,
   return -1;
 }
 
-// The order of records by cells of a grid, along a Z-order curve. All cells of
-// an axis have about equal numbers of records, so that a few records far away
-// do not leave all others in one cell.
-template <typename Scalar>
-std::vector<std::uint32_t> OrderByPlace(const Columns& records,
-                                        std::size_t dims, Work& work) {
-  constexpr std::size_t kSample = 1024;
-  constexpr std::size_t kMostCells = 256;
-  constexpr std::size_t kPart = 16384;
-  const std::size_t bits = dims == 2 ? 8 : 5;
-  const std::size_t cells = std::size_t{1} << bits;
-  struct Axis {
-    std::array<Scalar, kMostCells> limits;  // the greatest value of each cell
-    std::array<std::uint16_t, kMostCells> keys{};
-  };
-  std::array<Axis, 3> axes;
-  for (std::size_t k = 0; k < dims; ++k) {
-    const auto* const values = static_cast<const Scalar*>(records.column[k]);
-    std::array<Scalar, kSample> sample;
-    for (std::size_t i = 0; i < kSample; ++i) {
-      const Scalar value = values[i * records.count / kSample * records.stride];
-      sample[i] = std::isnan(value) ? 0 : value;
-    }
-    std::sort(sample.begin(), sample.end());
-    for (std::size_t cell = 0; cell < cells; ++cell) {
-      axes[k].limits[cell] = sample[(cell + 1) * kSample / cells - 1];
-      for (std::size_t bit = 0; bit < bits; ++bit) {
-        axes[k].keys[cell] |= (cell >> bit & 1) << (dims * bit + k);
-      }
-    }
-  }
-  std::vector<std::uint16_t> keys(records.count);
-  // Nine tenths of the time.
-  work.SetStage(0, 0, records.count);
-  work.Run((records.count + kPart - 1) / kPart, [&](std::size_t part, auto) {
-    const std::size_t end = std::min(records.count, (part + 1) * kPart);
-    for (std::size_t k = 0; k < dims; ++k) {
-      const auto* const values = static_cast<const Scalar*>(records.column[k]);
-      const Axis& axis = axes[k];
-      for (std::size_t i = part * kPart; i < end; ++i) {
-        const Scalar value = values[i * records.stride];
-        std::size_t cell = 0;
-        for (std::size_t half = cells / 2; half > 0; half /= 2) {
-          cell += value > axis.limits[cell + half - 1] ? half : 0;
-        }
-        keys[i] |= axis.keys[cell];
-      }
-    }
-  });
-  std::vector<std::uint32_t> ends((std::size_t{1} << dims * bits) + 1);
-  for (const std::uint16_t key : keys) ++ends[key + 1];
-  // Rays from one camera start at one place: no order helps.
-  const bool are_near =
-      *std::max_element(ends.begin(), ends.end()) > records.count / 2;
-  if (are_near) return {};
-  std::partial_sum(ends.begin(), ends.end(), ends.begin());
-  std::vector<std::uint32_t> order(records.count);
-  for (std::size_t i = 0; i < records.count; ++i) {
-    order[ends[keys[i]]++] = static_cast<std::uint32_t>(i);
-  }
-  return order;
-}
-
 template <typename Scalar>
 hs_columns CopyOf(const Columns& records, std::size_t first, std::size_t count,
                   std::vector<std::byte>& copy) {
@@ -152,33 +86,32 @@ void ThrowNotPrepared() {
   throw std::invalid_argument("_halfspace: arrays that are not prepared");
 }
 
-Columns::Columns(const py::tuple& arrays) : hs_columns{} {
-  // _arrays.py guarantees all of this. A call of the private module by somebody
-  // else fails here, before it reads wrong memory.
-  const auto check = [](bool is_right) {
-    if (!is_right) ThrowNotPrepared();
-  };
+bool Columns::Read(const py::tuple& arrays) {
   bool is_first = true;
   for (const py::handle item : arrays) {
-    check(py::isinstance<py::array>(item));
+    if (!py::isinstance<py::array>(item)) return false;
     const auto array = py::reinterpret_borrow<py::array>(item);
     hs_columns its{};
-    check(ReadType(array, its.type) && array.ndim() == 2 && IsAligned(array));
+    if (!ReadType(array, its.type) || array.ndim() != 2 || !IsAligned(array)) {
+      return false;
+    }
     const auto bytes = Size(BytesOf(its));
     its.count = static_cast<std::size_t>(array.shape(0));
     const py::ssize_t step = its.count > 1 ? array.strides(0) : bytes;
-    check(step > 0 && step % bytes == 0);
+    if (step <= 0 || step % bytes != 0) return false;
     its.stride = static_cast<std::size_t>(step / bytes);
     if (is_first) static_cast<hs_columns&>(*this) = its;
     is_first = false;
-    check(its.type == type && its.count == count && its.stride == stride);
+    if (its.type != type || its.count != count || its.stride != stride ||
+        size + static_cast<std::size_t>(array.shape(1)) > HS_MAX_COLUMNS) {
+      return false;
+    }
     for (py::ssize_t k = 0; k < array.shape(1); ++k) {
-      check(size < HS_MAX_COLUMNS);
       column[size++] =
           static_cast<const char*>(array.data()) + k * array.strides(1);
     }
   }
-  check(!is_first);
+  return !is_first;
 }
 
 hs_columns Columns::Rows(std::size_t first, std::size_t most) const {
@@ -189,11 +122,6 @@ hs_columns Columns::Rows(std::size_t first, std::size_t most) const {
         static_cast<const char*>(column[k]) + first * stride * BytesOf(*this);
   }
   return rows;
-}
-
-void Columns::SortByPlace(std::size_t dims, Work& work) {
-  order = type == HS_FLOAT64 ? OrderByPlace<double>(*this, dims, work)
-                             : OrderByPlace<float>(*this, dims, work);
 }
 
 hs_columns Columns::Part(std::size_t first, std::size_t most,

@@ -32,6 +32,10 @@ inline pybind11::ssize_t Size(std::size_t size) {
   return static_cast<pybind11::ssize_t>(size);
 }
 
+inline std::size_t Length(const pybind11::array& array) {
+  return static_cast<std::size_t>(array.size());
+}
+
 // Throws the message of this thread's last call, without the name of the C
 // function, unless the call returned HS_OK.
 void Check(hs_status status);
@@ -44,23 +48,26 @@ Options DefaultOf(hs_status (*write)(Options*, std::size_t)) {
   return options;
 }
 
+// Throws the error of a call whose arrays _arrays.py has not prepared.
+[[noreturn]] void ThrowNotPrepared();
+
 // The columns of the first array, then those of the next. _arrays.py has
 // prepared the arrays: they have two dimensions, the same type, length and
 // stride, and this machine's byte order. The arrays must outlive the columns.
 // The functions of C find missing columns, which are null.
 struct Columns : hs_columns {
-  explicit Columns(const pybind11::tuple& arrays);
+  Columns() : hs_columns{} {}
+  explicit Columns(const pybind11::tuple& arrays) : Columns() {
+    if (!Read(arrays)) ThrowNotPrepared();
+  }
+  // Returns false if the arrays are not prepared. A call of the private module
+  // by somebody else then fails, before it reads wrong memory.
+  bool Read(const pybind11::tuple& arrays);
 
   // Records `first` ... `first` + `most` - 1, as far as there are any.
   hs_columns Rows(std::size_t first, std::size_t most) const;
 
-  // Fills `order`, by the first `dims` columns: records that are near each
-  // other become neighbors. Queries in this order find in the cache what the
-  // ones before them read. If more than half of them share a cell, `order`
-  // stays empty.
-  void SortByPlace(std::size_t dims, Work& work);
-
-  // Rows() in that order. If there is one, `copy` stores the records.
+  // Rows() in the order, if there is one. Then `copy` stores the records.
   hs_columns Part(std::size_t first, std::size_t most,
                   std::vector<std::byte>& copy) const;
   // The record that is at place i of the order.
@@ -72,8 +79,11 @@ struct Columns : hs_columns {
   std::vector<std::uint32_t> order;
 };
 
-// Throws the error of a call whose arrays _arrays.py has not prepared.
-[[noreturn]] void ThrowNotPrepared();
+// The order of records in a tree, by their first `dims` columns: those that are
+// near each other become neighbors. Queries in this order find in the cache
+// what the ones before them read.
+std::vector<std::uint32_t> OrderByPlace(const hs_columns& records,
+                                        std::size_t dims, Work& work);
 
 // The box that a plain array has. No record if the array needs a closer look.
 hs_columns BoxIn(const pybind11::array& array, std::size_t dims);

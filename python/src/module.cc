@@ -41,6 +41,8 @@ PYBIND11_MODULE(_halfspace, module) {
   using namespace halfspace::python;
   module.doc() = "The compiled part of halfspace. Private: use halfspace.";
   module.attr("version") = hs_version();
+  module.def("can_read",
+             [](const py::tuple& arrays) { return Columns().Read(arrays); });
   module.def("first_bad_box", [](const py::tuple& arrays, bool are_points) {
     const Columns boxes(arrays);
     const std::size_t half = boxes.size / 2;

@@ -7,10 +7,12 @@
 
 #include <algorithm>
 #include <array>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <span>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "columns.h"
@@ -54,8 +56,15 @@ struct Results {
   std::size_t room;
 };
 
-// Calls run(some, first, thread) for the queries of each part, which are at the
-// places from `first` on of their order, without the interpreter's lock.
+// The queries of a part, which are at the places from `first` on of their
+// order.
+struct QueryPart {
+  hs_columns queries;
+  std::size_t first;
+  std::size_t thread;
+};
+
+// Calls run(part) for each part, without the interpreter's lock.
 template <typename Run>
 void ForEachPart(const Columns& queries, std::size_t in_part, Work& work,
                  const Run& run) {
@@ -65,18 +74,27 @@ void ForEachPart(const Columns& queries, std::size_t in_part, Work& work,
            [&](std::size_t part, std::size_t thread) {
              const std::size_t first = part * in_part;
              std::vector<std::byte> copy;
-             run(queries.Part(first, in_part, copy), first, thread);
+             run(QueryPart{queries.Part(first, in_part, copy), first, thread});
            });
 }
 
-// Returns the rows and the ids, of shape (2, n). write(item, i) writes the rest
-// of an item and returns its id. The results of the query at place i end at
-// ends[i] of the list of its part. prepare(n) runs before write().
-template <typename Item, typename Prepare, typename Write>
-Ids Gather(const std::vector<std::vector<Item>>& lists,
-           const std::vector<std::size_t>& ends, const Columns& queries,
-           std::size_t in_part, Work& work, const Prepare& prepare,
-           const Write& write) {
+// A distance or the t of a hit, and its object.
+struct Found {
+  auto operator<=>(const Found&) const = default;
+
+  float value;
+  std::uint32_t id;
+};
+
+// Returns the rows and the ids, of shape (2, n), and the values of the items,
+// if they have one. The results of the query at place i end at ends[i] of the
+// list of its part.
+template <typename Item>
+std::pair<Ids, pybind11::array_t<float>> Gather(
+    const std::vector<std::vector<Item>>& lists,
+    const std::vector<std::size_t>& ends, const Columns& queries,
+    std::size_t in_part, Work& work) {
+  constexpr bool kHasValues = std::is_same_v<Item, Found>;
   // By row. Reads the results in random order and writes them in sequence: an
   // item is smaller than what is written for it.
   struct Row {
@@ -96,9 +114,9 @@ Ids Gather(const std::vector<std::vector<Item>>& lists,
     for (Row& row : found) row.end = total += row.end;
   }
   Ids ids(std::vector<std::size_t>{2, total});
-  prepare(total);
+  pybind11::array_t<float> values(Size(kHasValues ? total : 0));
   std::int64_t* const rows = ids.mutable_data();
-  std::int64_t* const objects = rows + total;
+  [[maybe_unused]] float* const to = values.mutable_data();
   const pybind11::gil_scoped_release release;
   work.SetLastStage();
   constexpr std::size_t kInPart = 1024;
@@ -116,11 +134,17 @@ Ids Gather(const std::vector<std::vector<Item>>& lists,
       std::fill(rows + at, rows + found[row].end,
                 static_cast<std::int64_t>(row));
       for (; at < found[row].end; ++at, ++item) {
-        objects[at] = write(*item, at);
+        if constexpr (kHasValues) {
+          rows[total + at] = item->id;
+          to[at] = item->value;
+        } else {
+          rows[total + at] = *item;
+        }
       }
     }
   });
-  return ids;
+  work.Finish();
+  return {std::move(ids), std::move(values)};
 }
 
 // Returns the rows and the ids, of shape (2, n), that find(queries, ids,
@@ -132,81 +156,31 @@ Ids FindAll(const Columns& queries, std::size_t in_part, Work& work,
   Results<std::uint32_t> results(PartsOf(queries.count, in_part),
                                  work.threads(), room);
   std::vector<std::size_t> ends(queries.count);
-  ForEachPart(
-      queries, in_part, work,
-      [&](const hs_columns& some, std::size_t first, std::size_t thread) {
-        std::array<std::size_t, kPartQueries + 1> offsets;
-        results.Add(first / in_part, thread, [&](std::span<std::uint32_t> ids) {
-          return find(some, ids, offsets.data());
-        });
-        std::copy_n(offsets.data() + 1, some.count, ends.data() + first);
-      });
-  return Gather(
-      results.lists, ends, queries, in_part, work, [](std::size_t) {},
-      [](std::uint32_t id, std::size_t) { return id; });
+  ForEachPart(queries, in_part, work, [&](const QueryPart& part) {
+    std::array<std::size_t, kPartQueries + 1> offsets;
+    results.Add(part.first / in_part, part.thread,
+                [&](std::span<std::uint32_t> ids) {
+                  return find(part.queries, ids, offsets.data());
+                });
+    std::copy_n(offsets.data() + 1, part.queries.count,
+                ends.data() + part.first);
+  });
+  return Gather(results.lists, ends, queries, in_part, work).first;
 }
 
-// An object and its distance, or the t of a hit.
-struct Found {
-  std::uint32_t id;
-  float value;
-};
-
 // Returns the rows and the ids, of shape (2, n), and the values.
-// find(some, first, list, ends) appends to the list of a part, and writes where
-// the results of each of its queries end.
+// find(part, list, ends) appends to the list of a part, and writes where the
+// results of each of its queries end.
 template <typename Find>
 pybind11::tuple FindLists(const Columns& queries, std::size_t in_part,
                           Work& work, const Find& find) {
   std::vector<std::vector<Found>> lists(PartsOf(queries.count, in_part));
   std::vector<std::size_t> ends(queries.count);
-  ForEachPart(queries, in_part, work,
-              [&](const hs_columns& some, std::size_t first, std::size_t) {
-                find(some, first, lists[first / in_part], ends.data() + first);
-              });
-  pybind11::array_t<float> values;
-  float* to = nullptr;
-  const Ids ids = Gather(
-      lists, ends, queries, in_part, work,
-      [&](std::size_t count) {
-        values = pybind11::array_t<float>(Size(count));
-        to = values.mutable_data();
-      },
-      [&](const Found& found, std::size_t i) {
-        to[i] = found.value;
-        return found.id;
-      });
-  work.Finish();
+  ForEachPart(queries, in_part, work, [&](const QueryPart& part) {
+    find(part, lists[part.first / in_part], ends.data() + part.first);
+  });
+  const auto [ids, values] = Gather(lists, ends, queries, in_part, work);
   return pybind11::make_tuple(ids, values);
-}
-
-// FindAll() of the box of a plain array, in a third of the time: most of a
-// short query is the way through Python. None if the array is anything else.
-template <typename Find>
-pybind11::object FindOfOne(const pybind11::array& array, std::size_t dims,
-                           const Find& find) {
-  const hs_columns box = BoxIn(array, dims);
-  if (box.count == 0) return pybind11::none();
-  std::array<std::uint32_t, 256> few;
-  std::vector<std::uint32_t> many;
-  std::span<std::uint32_t> found = few;
-  std::size_t count = 0;
-  {
-    const pybind11::gil_scoped_release release;
-    while ((count = find(box, found, nullptr)) > found.size()) {
-      many.resize(count);
-      found = many;
-    }
-  }
-  // Less work than a constructor of py::array.
-  const auto& numpy = pybind11::detail::npy_api::get();
-  auto size = static_cast<Py_intptr_t>(count);
-  auto ids = pybind11::reinterpret_steal<Ids>(numpy.PyArray_NewFromDescr_(
-      numpy.PyArray_Type_, pybind11::dtype::of<std::int64_t>().release().ptr(),
-      1, &size, nullptr, nullptr, 0, nullptr));
-  if (!ids) throw pybind11::error_already_set();
-  std::copy_n(found.data(), count, ids.mutable_data());
-  return ids;
 }
 
 // An array of shape (n, 2).
@@ -218,77 +192,77 @@ inline Ids ToArray(const std::vector<hs_id_pair>& pairs) {
   return ids;
 }
 
-// Returns an array of shape (queries, each). find(some, first, values) writes
-// the values of the queries of a part.
+// A result as Python has it: -1 instead of HS_NO_ID.
+template <typename Value>
+auto ResultOf(Value value) {
+  if constexpr (std::is_integral_v<Value>) {
+    return value == HS_NO_ID ? -1 : static_cast<std::int64_t>(value);
+  } else {
+    return value;
+  }
+}
+
+// An array of shape (queries, each), which the parts of a call write.
+template <typename Value>
+class Output {
+ public:
+  Output(const Columns& queries, std::size_t each)
+      : queries_(queries),
+        each_(each),
+        array_(std::vector<std::size_t>{queries.count, each}),
+        to_(array_.mutable_data()) {}
+
+  // Stores the values of the queries at the places from `first` on.
+  void Store(std::size_t first, const std::vector<Value>& values) const {
+    const Value* const end = values.data() + values.size();
+    for (const Value* from = values.data(); from != end; from += each_) {
+      std::transform(from, from + each_, to_ + queries_.RowAt(first++) * each_,
+                     &ResultOf<Value>);
+    }
+  }
+  const auto& array() const { return array_; }
+
+ private:
+  using Result = decltype(ResultOf(Value()));
+
+  const Columns& queries_;
+  std::size_t each_;
+  pybind11::array_t<Result> array_;
+  Result* to_;
+};
+
+// Returns what find(queries, values) writes for the queries of a part, one
+// value for each, as an array of shape (queries, 1).
 template <typename Value, typename Find>
-pybind11::array_t<Value> FindEach(const Columns& queries, std::size_t each,
-                                  std::size_t in_part, Work& work,
-                                  const Find& find) {
-  pybind11::array_t<Value> values(
-      std::vector<std::size_t>{queries.count, each});
-  Value* const to = values.mutable_data();
-  ForEachPart(queries, in_part, work,
-              [&](const hs_columns& some, std::size_t first, std::size_t) {
-                if (queries.order.empty()) {
-                  find(some, first, to + first * each);
-                  return;
-                }
-                const auto its = std::make_unique<Value[]>(some.count * each);
-                find(some, first, its.get());
-                for (std::size_t i = 0; i < some.count; ++i) {
-                  std::copy_n(its.get() + i * each, each,
-                              to + queries.order[first + i] * each);
-                }
-              });
+pybind11::array FindEach(const Columns& queries, std::size_t in_part,
+                         Work& work, const Find& find) {
+  const Output<Value> output(queries, 1);
+  ForEachPart(queries, in_part, work, [&](const QueryPart& part) {
+    std::vector<Value> values(part.queries.count);
+    find(part.queries, values.data());
+    output.Store(part.first, values);
+  });
   work.Finish();
-  return values;
+  return output.array();
 }
 
-// The numbers of hs_bvh_count() or hs_scan_counts(), or the ids of hs_bvh_any()
-// or hs_scan_any(), and those of broad phases.
-template <typename Object, typename Options, typename Value>
-pybind11::array_t<Value> AskEach(const Object* object,
-                                 hs_status (*function)(const Object*,
-                                                       const hs_columns*,
-                                                       const Options*, Value*),
-                                 const Columns& queries, std::size_t in_part,
-                                 Work& work, const Options* options = nullptr) {
-  return FindEach<Value>(
-      queries, 1, in_part, work,
-      [&](const hs_columns& some, std::size_t, Value* values) {
-        Check(function(object, &some, options, values));
-      });
-}
-
-// Returns the ids and the floats that find(some, first, ids, floats) writes for
-// the queries of a part, in arrays of shape (queries, each). -1 instead of
-// HS_NO_ID.
+// Returns the ids and the floats that find(part, ids, floats) writes for the
+// queries of a part, in arrays of shape (queries, each).
 template <typename Find>
 pybind11::tuple FindIdsAndFloats(const Columns& queries, std::size_t each,
                                  std::size_t in_part, Work& work,
                                  const Find& find) {
-  const std::vector<std::size_t> shape{queries.count, each};
-  pybind11::array_t<float> floats(shape);
-  Ids ids(shape);
-  float* const all_floats = floats.mutable_data();
-  std::int64_t* const all_ids = ids.mutable_data();
-  ForEachPart(queries, in_part, work,
-              [&](const hs_columns& some, std::size_t first, std::size_t) {
-                std::vector<std::uint32_t> its_ids(some.count * each);
-                std::vector<float> its_floats(some.count * each);
-                find(some, first, its_ids.data(), its_floats.data());
-                for (std::size_t i = 0; i < some.count; ++i) {
-                  const std::size_t at = queries.RowAt(first + i) * each;
-                  std::copy_n(&its_floats[i * each], each, all_floats + at);
-                  std::transform(&its_ids[i * each], &its_ids[i * each] + each,
-                                 all_ids + at, [](std::uint32_t id) {
-                                   return id == HS_NO_ID ? -1
-                                                         : std::int64_t{id};
-                                 });
-                }
-              });
+  const Output<std::uint32_t> ids(queries, each);
+  const Output<float> floats(queries, each);
+  ForEachPart(queries, in_part, work, [&](const QueryPart& part) {
+    std::vector<std::uint32_t> its_ids(part.queries.count * each);
+    std::vector<float> its_floats(part.queries.count * each);
+    find(part, its_ids.data(), its_floats.data());
+    ids.Store(part.first, its_ids);
+    floats.Store(part.first, its_floats);
+  });
   work.Finish();
-  return pybind11::make_tuple(ids, floats);
+  return pybind11::make_tuple(ids.array(), floats.array());
 }
 
 }  // namespace halfspace::python

@@ -55,12 +55,15 @@ Ids Query(const Scan& scan, const py::tuple& arrays, std::size_t threads) {
 }
 
 // hs_scan_counts() or hs_scan_any().
-template <auto kFunction>
+template <auto kFunction, typename Value>
 py::array Ask(const Scan& scan, const py::tuple& arrays, std::size_t threads) {
   const Columns boxes(arrays);
   Work work(threads, py::none());
-  return AskEach(scan.scan.get(), kFunction, boxes, InPart(boxes, threads),
-                 work);
+  return FindEach<Value>(
+      boxes, InPart(boxes, threads), work,
+      [&](const hs_columns& some, Value* values) {
+        Check(kFunction(scan.scan.get(), &some, nullptr, values));
+      });
 }
 
 // Returns an array of shape (queries, objects).
@@ -68,16 +71,17 @@ py::array_t<bool> Mask(const Scan& scan, const py::tuple& arrays,
                        std::size_t threads) {
   const Columns boxes(arrays);
   Work work(threads, py::none());
-  return FindEach<bool>(
-      boxes, scan.size, /*in_part=*/1, work,
-      [&](const hs_columns& query, std::size_t, bool* mask) {
-        std::vector<std::uint64_t> words(hs_mask_words(scan.size));
-        Check(hs_scan_masks(scan.scan.get(), &query, nullptr, words.data(),
-                            words.size()));
-        for (std::size_t i = 0; i < scan.size; ++i) {
-          mask[i] = (words[i / 64] >> i % 64 & 1) != 0;
-        }
-      });
+  py::array_t<bool> masks(std::vector<std::size_t>{boxes.count, scan.size});
+  bool* const to = masks.mutable_data();
+  ForEachPart(boxes, /*in_part=*/1, work, [&](const QueryPart& part) {
+    std::vector<std::uint64_t> words(hs_mask_words(scan.size));
+    Check(hs_scan_masks(scan.scan.get(), &part.queries, nullptr, words.data(),
+                        words.size()));
+    for (std::size_t i = 0; i < scan.size; ++i) {
+      to[part.first * scan.size + i] = (words[i / 64] >> i % 64 & 1) != 0;
+    }
+  });
+  return masks;
 }
 
 }  // namespace
@@ -86,8 +90,8 @@ void DefineScan(py::module_& module) {
   py::class_<Scan>(module, "Scan")
       .def(py::init(&MakeScan))
       .def("query", &Query)
-      .def("count", &Ask<&hs_scan_counts>)
-      .def("any", &Ask<&hs_scan_any>)
+      .def("count", &Ask<&hs_scan_counts, std::size_t>)
+      .def("any", &Ask<&hs_scan_any, std::uint32_t>)
       .def("mask", &Mask)
       .def("size", [](const Scan& scan) { return scan.size; })
       .def_readonly("dims", &Scan::dims);

@@ -20,7 +20,8 @@
 
 namespace halfspace::python {
 
-// A World has these functions of C as World::Functions, and
+// A World has these functions of C as World::Functions. Of two, the second
+// calls a function for each hit. It also has
 // - get(), which is their object, and dims
 // - Reading, which exists while a call reads the object
 // - kPart, the number of queries in one part
@@ -28,36 +29,25 @@ namespace halfspace::python {
 // - is_exact and kCanBeExact. If the second is true, also
 //   Keep(queries, ids, offsets) and KeepPairs(margin, pairs). They remove the
 //   results that the doubles reject. Keep() returns how many are left.
-struct BvhFunctions {
-  static constexpr auto kSize = &hs_bvh_size;
-  static constexpr auto kQuery = &hs_bvh_query;
-  static constexpr auto kCount = &hs_bvh_count;
-  static constexpr auto kAny = &hs_bvh_any;
-  static constexpr auto kNearestToPoints = &hs_bvh_nearest_to_points;
-  static constexpr auto kNearestToBoxes = &hs_bvh_nearest_to_boxes;
-  static constexpr auto kRaycast = &hs_bvh_raycast;
-  static constexpr auto kBoxcast = &hs_bvh_boxcast;
-  static constexpr auto kSpherecast = &hs_bvh_spherecast;
-  static constexpr auto kEachRaycast = &hs_bvh_raycast_each;
-  static constexpr auto kEachBoxcast = &hs_bvh_boxcast_each;
-  static constexpr auto kEachSpherecast = &hs_bvh_spherecast_each;
-  static constexpr auto kPairsOf = &hs_bvh_pairs_of_each;
-};
-struct BroadPhaseFunctions {
-  static constexpr auto kSize = &hs_broad_phase_size;
-  static constexpr auto kQuery = &hs_broad_phase_query;
-  static constexpr auto kCount = &hs_broad_phase_count;
-  static constexpr auto kAny = &hs_broad_phase_any;
-  static constexpr auto kNearestToPoints = &hs_broad_phase_nearest_to_points;
-  static constexpr auto kNearestToBoxes = &hs_broad_phase_nearest_to_boxes;
-  static constexpr auto kRaycast = &hs_broad_phase_raycast;
-  static constexpr auto kBoxcast = &hs_broad_phase_boxcast;
-  static constexpr auto kSpherecast = &hs_broad_phase_spherecast;
-  static constexpr auto kEachRaycast = &hs_broad_phase_raycast_each;
-  static constexpr auto kEachBoxcast = &hs_broad_phase_boxcast_each;
-  static constexpr auto kEachSpherecast = &hs_broad_phase_spherecast_each;
-  static constexpr auto kPairsOf = &hs_broad_phase_pairs_of_each;
-};
+#define HALFSPACE_PYTHON_FUNCTIONS(Name, world)                            \
+  struct Name {                                                            \
+    static constexpr auto kSize = &hs_##world##_size;                      \
+    static constexpr auto kQuery = &hs_##world##_query;                    \
+    static constexpr auto kCount = &hs_##world##_count;                    \
+    static constexpr auto kAny = &hs_##world##_any;                        \
+    static constexpr auto kToPoints = &hs_##world##_nearest_to_points;     \
+    static constexpr auto kToBoxes = &hs_##world##_nearest_to_boxes;       \
+    static constexpr std::pair kRaycast{&hs_##world##_raycast,             \
+                                        &hs_##world##_raycast_each};       \
+    static constexpr std::pair kBoxcast{&hs_##world##_boxcast,             \
+                                        &hs_##world##_boxcast_each};       \
+    static constexpr std::pair kSpherecast{&hs_##world##_spherecast,       \
+                                           &hs_##world##_spherecast_each}; \
+    static constexpr auto kPairsOf = &hs_##world##_pairs_of_each;          \
+  }
+HALFSPACE_PYTHON_FUNCTIONS(BvhFunctions, bvh);
+HALFSPACE_PYTHON_FUNCTIONS(BroadPhaseFunctions, broad_phase);
+#undef HALFSPACE_PYTHON_FUNCTIONS
 
 template <typename World>
 struct Searches {
@@ -70,33 +60,40 @@ struct Searches {
     return options;
   }
 
-  // The queries, sorted if that makes them faster. The sort takes 30 ns a
-  // query. 10^5 sorted queries then take 0.4 to 0.8 of the time in a tree that
-  // is larger than the cache (10^5 to 5 * 10^6 objects, two builds in turns).
-  static constexpr std::size_t kLargeTree = 200'000;
-  static Columns QueriesIn(const World& world, const pybind11::tuple& arrays,
-                           Work& work, std::size_t large = kLargeTree) {
-    constexpr std::size_t kFewQueries = 8192;
-    Columns queries(arrays);
-    if (queries.count < kFewQueries || queries.count > HS_NO_ID) return queries;
-    const pybind11::gil_scoped_release release;
-    std::size_t size = 0;
-    Check(Its::kSize(world.get(), &size));
-    // A function of C says which columns are missing.
-    if (size >= large && queries.size >= world.dims) {
-      queries.SortByPlace(world.dims, work);
+  // A call, and its queries, sorted if that makes them faster. The sort takes
+  // 30 ns a query. 10^5 sorted queries then take 0.4 to 0.8 of the time in a
+  // tree that is larger than the cache (10^5 to 5 * 10^6 objects, two builds in
+  // turns). A query of boxes in 2 dimensions reads less, so the sort pays only
+  // in larger trees.
+  struct Search {
+    Search(World& world, const pybind11::tuple& arrays,
+           const pybind11::tuple& how, bool are_boxes = false)
+        : options(OptionsOf(MaskOf(how))),
+          work(WorkOf(how)),
+          reading(world),
+          queries(arrays) {
+      constexpr std::size_t kFewQueries = 8192;
+      constexpr auto kMostObjects = std::size_t{1} << 31;
+      constexpr std::size_t kLargeTree = 200'000;
+      if (queries.count < kFewQueries || queries.count >= kMostObjects) return;
+      const pybind11::gil_scoped_release release;
+      std::size_t size = 0;
+      Check(Its::kSize(world.get(), &size));
+      const bool is_large =
+          size >= (are_boxes && world.dims == 2 ? 5 : 1) * kLargeTree;
+      // A function of C says which columns are missing.
+      if (is_large && queries.size >= world.dims) {
+        queries.order = OrderByPlace(queries, world.dims, work);
+      }
     }
-    return queries;
-  }
-  // A query of boxes in 2 dimensions reads less, so the sort pays only in
-  // larger trees.
-  static Columns BoxesIn(const World& world, const pybind11::tuple& arrays,
-                         Work& work) {
-    return QueriesIn(world, arrays, work,
-                     (world.dims == 2 ? 5 : 1) * kLargeTree);
-  }
 
-  // find() of FindAll() and FindOfOne().
+    hs_query_options options;
+    Work work;
+    Reading reading;
+    Columns queries;
+  };
+
+  // find() of FindAll().
   static auto FinderIn(const World& world, const hs_query_options& options) {
     return
         [&world, options](const hs_columns& queries,
@@ -117,53 +114,71 @@ struct Searches {
   // Queries of bounds, of spheres, or of boxes with a distance.
   static Ids Query(World& world, const pybind11::tuple& arrays,
                    const pybind11::tuple& how) {
-    Work work = WorkOf(how);
-    const Reading reading(world);
-    const Columns queries = BoxesIn(world, arrays, work);
-    hs_query_options options = OptionsOf(MaskOf(how));
-    if (queries.size == world.dims + 1) options.shape = HS_SHAPE_SPHERE;
-    if (queries.size == 2 * world.dims + 1) {
-      options.shape = HS_SHAPE_ROUNDED_BOX;
+    Search its(world, arrays, how, /*are_boxes=*/true);
+    if (its.queries.size == world.dims + 1) {
+      its.options.shape = HS_SHAPE_SPHERE;
     }
-    Ids ids = FindAll(queries, World::kPart, work, FinderIn(world, options));
-    work.Finish();
+    if (its.queries.size == 2 * world.dims + 1) {
+      its.options.shape = HS_SHAPE_ROUNDED_BOX;
+    }
+    return FindAll(its.queries, World::kPart, its.work,
+                   FinderIn(world, its.options));
+  }
+
+  // The same of the box of a plain array, in a third of the time: most of a
+  // short query is the way through Python. None if the array is anything else.
+  static pybind11::object QueryOne(World& world, const pybind11::array& array,
+                                   std::uint32_t mask) {
+    const hs_columns box = BoxIn(array, world.dims);
+    if (box.count == 0) return pybind11::none();
+    const Reading reading(world);
+    const auto find = FinderIn(world, OptionsOf(mask));
+    std::array<std::uint32_t, 256> few;
+    std::vector<std::uint32_t> many;
+    std::span<std::uint32_t> found = few;
+    std::size_t count = 0;
+    {
+      const pybind11::gil_scoped_release release;
+      std::array<float, HS_MAX_COLUMNS> record;
+      const hs_columns query = world.QueryOf(box, record.data());
+      while ((count = find(query, found, nullptr)) > found.size()) {
+        many.resize(count);
+        found = many;
+      }
+    }
+    // Less work than a constructor of py::array.
+    const auto& numpy = pybind11::detail::npy_api::get();
+    auto size = static_cast<Py_intptr_t>(count);
+    auto ids = pybind11::reinterpret_steal<Ids>(numpy.PyArray_NewFromDescr_(
+        numpy.PyArray_Type_,
+        pybind11::dtype::of<std::int64_t>().release().ptr(), 1, &size, nullptr,
+        nullptr, 0, nullptr));
+    if (!ids) throw pybind11::error_already_set();
+    std::copy_n(found.data(), count, ids.mutable_data());
     return ids;
   }
 
-  static pybind11::object QueryOne(World& world, const pybind11::array& array,
-                                   std::uint32_t mask) {
-    const Reading reading(world);
-    const auto find = FinderIn(world, OptionsOf(mask));
-    return FindOfOne(array, world.dims,
-                     [&](const hs_columns& box, std::span<std::uint32_t> ids,
-                         std::size_t* offsets) {
-                       std::array<float, HS_MAX_COLUMNS> record;
-                       return find(world.QueryOf(box, record.data()), ids,
-                                   offsets);
-                     });
-  }
-
-  // The numbers of objects, or by floats an id or HS_NO_ID for each.
-  template <auto kFunction>
+  // The numbers of objects, or an id or -1 for each query.
+  template <auto kFunction, typename Value>
   static pybind11::array Ask(World& world, const pybind11::tuple& arrays,
                              const pybind11::tuple& how) {
-    const hs_query_options options = OptionsOf(MaskOf(how));
-    Work work = WorkOf(how);
-    const Reading reading(world);
-    const Columns queries = BoxesIn(world, arrays, work);
-    return AskEach(world.get(), kFunction, queries, kPartQueries, work,
-                   &options);
+    Search its(world, arrays, how, /*are_boxes=*/true);
+    return FindEach<Value>(
+        its.queries, kPartQueries, its.work,
+        [&](const hs_columns& some, Value* values) {
+          Check(kFunction(world.get(), &some, &its.options, values));
+        });
   }
   static pybind11::array Count(World& world, const pybind11::tuple& arrays,
                                const pybind11::tuple& how) {
-    if (!world.is_exact) return Ask<Its::kCount>(world, arrays, how);
-    Work work = WorkOf(how);
-    const Reading reading(world);
-    const Columns queries = BoxesIn(world, arrays, work);
-    const auto find = FinderIn(world, OptionsOf(MaskOf(how)));
+    if (!world.is_exact) {
+      return Ask<Its::kCount, std::size_t>(world, arrays, how);
+    }
+    Search its(world, arrays, how, /*are_boxes=*/true);
+    const auto find = FinderIn(world, its.options);
     return FindEach<std::size_t>(
-        queries, 1, kPartQueries, work,
-        [&](const hs_columns& some, std::size_t, std::size_t* counts) {
+        its.queries, kPartQueries, its.work,
+        [&](const hs_columns& some, std::size_t* counts) {
           std::vector<std::uint32_t> ids(64 * some.count);
           std::array<std::size_t, kPartQueries + 1> offsets;
           for (std::size_t total = 0;
@@ -191,24 +206,20 @@ struct Searches {
       const hs_columns query = world.QueryOf(box, record.data());
       Check(kFunction(world.get(), &query, &options, &value));
     }
-    return pybind11::int_(value);
+    return pybind11::int_(ResultOf(value));
   }
 
   static pybind11::tuple Nearest(World& world, const pybind11::tuple& arrays,
                                  std::size_t k, float max_distance,
                                  bool is_exclusive, bool with_ties,
                                  const pybind11::tuple& how) {
-    hs_query_options options = OptionsOf(MaskOf(how));
-    options.exclusive = is_exclusive ? 1 : 0;
-    Work work = WorkOf(how);
-    const Reading reading(world);
-    const Columns queries = QueriesIn(world, arrays, work);
+    Search its(world, arrays, how);
+    its.options.exclusive = is_exclusive ? 1 : 0;
+    const auto function =
+        its.queries.size == world.dims ? Its::kToPoints : Its::kToBoxes;
     const auto search = [&](const hs_columns& some, std::size_t room,
                             std::uint32_t* ids, float* distances) {
-      const bool are_points = queries.size == world.dims;
-      const auto function =
-          are_points ? Its::kNearestToPoints : Its::kNearestToBoxes;
-      Check(function(world.get(), &some, room, max_distance, &options, ids,
+      Check(function(world.get(), &some, room, max_distance, &its.options, ids,
                      distances));
     };
     // As many queries in a part as have about this number of results.
@@ -217,85 +228,75 @@ struct Searches {
         std::clamp(kPartResults / k, std::size_t{1}, kPartQueries);
     if (!with_ties) {
       return FindIdsAndFloats(
-          queries, k, in_part, work,
-          [&](const hs_columns& some, std::size_t, std::uint32_t* ids,
-              float* distances) { search(some, k, ids, distances); });
+          its.queries, k, in_part, its.work,
+          [&](const QueryPart& part, std::uint32_t* ids, float* distances) {
+            search(part.queries, k, ids, distances);
+          });
     }
-    return FindLists(queries, in_part, work,
-                     [&](const hs_columns& some, std::size_t first,
-                         std::vector<Found>& list, std::size_t* ends) {
-                       // One more object shows whether there are ties.
-                       std::vector<std::uint32_t> ids(some.count * (k + 1));
-                       std::vector<float> distances(ids.size());
-                       search(some, k + 1, ids.data(), distances.data());
-                       for (std::size_t i = 0; i < some.count; ++i) {
-                         AddWithTies(k, &ids[i * (k + 1)],
-                                     &distances[i * (k + 1)],
-                                     queries.Rows(queries.RowAt(first + i), 1),
-                                     search, list);
-                         ends[i] = list.size();
-                       }
-                     });
+    return FindLists(
+        its.queries, in_part, its.work,
+        [&](const QueryPart& part, std::vector<Found>& list,
+            std::size_t* ends) {
+          // One more object shows whether there are ties.
+          std::vector<std::uint32_t> ids(part.queries.count * (k + 1));
+          std::vector<float> distances(ids.size());
+          search(part.queries, k + 1, ids.data(), distances.data());
+          for (std::size_t i = 0; i < part.queries.count; ++i) {
+            AddWithTies(k, &ids[i * (k + 1)], &distances[i * (k + 1)],
+                        its.queries.Rows(its.queries.RowAt(part.first + i), 1),
+                        search, list);
+            ends[i] = list.size();
+          }
+        });
   }
 
-  // The first hits or, sorted by t, all hits of rays, or of spheres or boxes
-  // that move. `ways` are the directions and the limits. Rays have them too.
-  static pybind11::tuple Cast(World& world, const pybind11::tuple& its_starts,
+  // Rays, or spheres or boxes that move. `its_ways` are the directions and the
+  // limits. Rays have them too.
+  static pybind11::tuple Cast(World& world, const pybind11::tuple& starts,
                               const pybind11::tuple& its_ways, bool finds_all,
                               const pybind11::tuple& how) {
-    Work work = WorkOf(how);
-    const Reading reading(world);
-    const Columns starts = QueriesIn(world, its_starts, work);
+    Search its(world, starts, how);
     Columns ways(its_ways);
-    if (starts.count != ways.count) ThrowNotPrepared();
-    const hs_query_options options = OptionsOf(MaskOf(how));
-    const bool are_rays = starts.size == 2 * world.dims + 1;
-    if (!are_rays) ways.order = starts.order;
-    const bool are_boxes = starts.size == 2 * world.dims;
-    // The function of C for the starts from `first` on.
-    const auto cast = [&](const hs_columns& some, std::size_t first,
-                          auto of_rays, auto of_boxes, auto of_spheres,
-                          auto... outputs) {
-      std::vector<std::byte> copy;
-      const hs_columns some_ways = ways.Part(first, kPartQueries, copy);
-      Check(are_rays
-                ? of_rays(world.get(), &some, 0, &options, outputs...)
-                : (are_boxes ? of_boxes : of_spheres)(
-                      world.get(), &some, &some_ways, &options, outputs...));
-    };
-    if (!finds_all) {
-      return FindIdsAndFloats(starts, 1, kPartQueries, work,
-                              [&](const hs_columns& some, std::size_t first,
-                                  std::uint32_t* ids, float* ts) {
-                                cast(some, first, Its::kRaycast, Its::kBoxcast,
-                                     Its::kSpherecast, ids, ts);
-                              });
-    }
-    return FindHits(starts, work,
-                    [&](const hs_columns& some, std::size_t first,
-                        hs_hit_function function, void* context) {
-                      cast(some, first, Its::kEachRaycast, Its::kEachBoxcast,
-                           Its::kEachSpherecast, function, context);
-                    });
+    if (its.queries.count != ways.count) ThrowNotPrepared();
+    const bool are_rays = its.queries.size == 2 * world.dims + 1;
+    if (!are_rays) ways.order = its.queries.order;
+    const auto& functions =
+        its.queries.size == 2 * world.dims ? Its::kBoxcast : Its::kSpherecast;
+    return FindHits(
+        its, finds_all, [&](const QueryPart& part, auto to, auto of) {
+          constexpr bool kAll = kFindsAll<decltype(of)>;
+          std::vector<std::byte> copy;
+          const hs_columns some = ways.Part(part.first, kPartQueries, copy);
+          Check(are_rays
+                    ? std::get<kAll>(Its::kRaycast)(world.get(), &part.queries,
+                                                    0, &its.options, to, of)
+                    : std::get<kAll>(functions)(world.get(), &part.queries,
+                                                &some, &its.options, to, of));
+        });
   }
 
-  // All hits of each cast, sorted by t. each(some, first, function, context)
-  // calls a function for those of the casts from `first` on.
-  template <typename Each>
-  static pybind11::tuple FindHits(const Columns& starts, Work& work,
-                                  const Each& each) {
-    return FindLists(starts, kPartQueries, work,
-                     [&](const hs_columns& some, std::size_t first,
-                         std::vector<Found>& list, std::size_t* ends) {
+  // Which of two functions of C has this last output.
+  template <typename Of>
+  static constexpr bool kFindsAll = std::is_same_v<Of, void*>;
+
+  // The first hits or, sorted by t, all hits of casts. cast(part, ids, ts)
+  // writes the first ones of a part, and cast(part, function, context) calls a
+  // function for all of them.
+  template <typename Call>
+  static pybind11::tuple FindHits(Search& its, bool finds_all,
+                                  const Call& cast) {
+    if (!finds_all) {
+      return FindIdsAndFloats(its.queries, 1, kPartQueries, its.work, cast);
+    }
+    return FindLists(its.queries, kPartQueries, its.work,
+                     [&](const QueryPart& part, std::vector<Found>& list,
+                         std::size_t* ends) {
                        Hits hits{&list, ends};
-                       each(some, first, &Hits::Add, &hits);
-                       for (std::size_t i = 0, begin = 0; i < some.count; ++i) {
+                       cast(part, &Hits::Add, static_cast<void*>(&hits));
+                       for (std::size_t i = 0, begin = 0;
+                            i < part.queries.count; ++i) {
                          ends[i] = std::max(begin, ends[i]);
-                         std::sort(list.data() + begin, list.data() + ends[i],
-                                   [](const Found& a, const Found& b) {
-                                     return std::pair(a.value, a.id) <
-                                            std::pair(b.value, b.id);
-                                   });
+                         std::sort(list.data() + begin, list.data() + ends[i]);
                          begin = ends[i];
                        }
                      });
@@ -318,8 +319,7 @@ struct Searches {
     const Reading reading(world);
     {
       const pybind11::gil_scoped_release release;
-      Check(Its::kPairsOf(world.get(), ids.data(),
-                          static_cast<std::size_t>(ids.size()), &options, add,
+      Check(Its::kPairsOf(world.get(), ids.data(), Length(ids), &options, add,
                           &pairs));
       if constexpr (World::kCanBeExact) world.KeepPairs(margin, pairs);
     }
@@ -331,7 +331,7 @@ struct Searches {
         .def("query_one", &QueryOne)
         .def("count", &Count)
         .def("count_one", &AskOne<Its::kCount, std::size_t>)
-        .def("any", &Ask<Its::kAny>)
+        .def("any", &Ask<Its::kAny, std::uint32_t>)
         .def("any_one", &AskOne<Its::kAny, std::uint32_t>)
         .def("nearest", &Nearest)
         .def("cast", &Cast)
@@ -348,7 +348,7 @@ struct Searches {
 
     static float Add(void* hits, std::size_t cast, std::uint32_t id, float t) {
       const auto& its = *static_cast<Hits*>(hits);
-      its.list->push_back({id, t});
+      its.list->push_back({t, id});
       its.ends[cast] = its.list->size();
       return INFINITY;
     }
@@ -356,10 +356,10 @@ struct Searches {
 
   // Appends the k objects of a row of k + 1, and those as far as the last of
   // them. Searches for more and more until one is farther.
-  template <typename Search>
+  template <typename Find>
   static void AddWithTies(std::size_t k, const std::uint32_t* ids,
                           const float* distances, const hs_columns& query,
-                          const Search& search, std::vector<Found>& list) {
+                          const Find& search, std::vector<Found>& list) {
     std::vector<std::uint32_t> more_ids;
     std::vector<float> more_distances;
     std::size_t room = k + 1;
@@ -375,7 +375,7 @@ struct Searches {
     for (std::size_t i = 0;
          i < room && ids[i] != HS_NO_ID && distances[i] <= distances[k - 1];
          ++i) {
-      list.push_back({ids[i], distances[i]});
+      list.push_back({distances[i], ids[i]});
     }
   }
 };

@@ -14,6 +14,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -51,23 +52,20 @@ void ReadRows(const Columns& boxes, const std::uint32_t* ids, double* rows) {
   }
 }
 
-// Boxes of kDims axes by id. An altered blob has any ids.
-template <std::size_t kDims>
+// Boxes by id. An altered blob has any ids.
 struct Rows {
-  explicit Rows(std::span<const double> its_values) : values(its_values) {}
-
   const double* Find(std::uint32_t id) const {
-    const std::size_t first = 2 * kDims * id;
+    const std::size_t first = 2 * dims * id;
     return first < values.size() ? values.data() + first : nullptr;
   }
   // Whether the object is there, at most `margin` from a box on each axis.
   bool IsNear(std::uint32_t id, const double* box, double margin) const {
     const double* const row = Find(id);
-    if (row == nullptr) return false;
+    if (row == nullptr || box == nullptr) return false;
     bool is_near = true;
-    for (std::size_t k = 0; k < kDims; ++k) {
-      is_near &= row[k] <= box[kDims + k] + margin &&
-                 box[k] <= row[kDims + k] + margin;
+    for (std::size_t k = 0; k < dims; ++k) {
+      is_near &=
+          row[k] <= box[dims + k] + margin && box[k] <= row[dims + k] + margin;
     }
     return is_near;
   }
@@ -77,57 +75,27 @@ struct Rows {
     const double* const row = Find(id);
     if (row == nullptr) return;
     __builtin_prefetch(row);
-    __builtin_prefetch(row + 2 * kDims - 1);
+    __builtin_prefetch(row + 2 * dims - 1);
 #endif
   }
 
   std::span<const double> values;
+  std::size_t dims;
 };
 constexpr std::size_t kAhead = 16;
 
 // Removes the pairs whose boxes are farther apart than the margin. Returns how
 // many are left.
-template <std::size_t kDims>
-std::size_t KeepNear(std::span<const double> of_a, std::span<const double> of_b,
-                     double margin, std::span<hs_id_pair> pairs) {
-  const Rows<kDims> a(of_a);
-  const Rows<kDims> b(of_b);
+std::size_t KeepNear(const Rows& a, const Rows& b, double margin,
+                     std::span<hs_id_pair> pairs) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (i + kAhead < pairs.size()) {
       a.Prefetch(pairs[i + kAhead].a);
       b.Prefetch(pairs[i + kAhead].b);
     }
-    const double* const one = a.Find(pairs[i].a);
-    pairs[kept] = pairs[i];
-    kept += one != nullptr && b.IsNear(pairs[i].b, one, margin) ? 1 : 0;
-  }
-  return kept;
-}
-std::size_t KeepNear(std::size_t dims, std::span<const double> a,
-                     std::span<const double> b, double margin,
-                     std::span<hs_id_pair> pairs) {
-  return dims == 2 ? KeepNear<2>(a, b, margin, pairs)
-                   : KeepNear<3>(a, b, margin, pairs);
-}
-
-// Removes the results of queries that do not overlap. offsets[q + 1] is where
-// those of query q end.
-template <std::size_t kDims>
-std::size_t KeepResults(std::span<const double> objects,
-                        const hs_columns& queries, std::span<std::uint32_t> ids,
-                        std::size_t* offsets) {
-  const Rows<kDims> rows(objects);
-  std::size_t kept = 0;
-  for (std::size_t q = 0, i = 0; q < queries.count; ++q) {
-    std::array<double, 2 * kDims> box;
-    ReadRow(queries, q, 2 * kDims, box.data());
-    for (const std::size_t end = offsets[q + 1]; i < end; ++i) {
-      if (i + kAhead < ids.size()) rows.Prefetch(ids[i + kAhead]);
-      ids[kept] = ids[i];
-      kept += rows.IsNear(ids[kept], box.data(), 0) ? 1 : 0;
-    }
-    offsets[q + 1] = kept;
+    const hs_id_pair pair = pairs[kept] = pairs[i];
+    kept += b.IsNear(pair.b, a.Find(pair.a), margin) ? 1 : 0;
   }
   return kept;
 }
@@ -144,34 +112,46 @@ struct Tree {
   py::object blob;  // the bytes, if they are in place
   Bvh bvh;
   std::size_t dims = 3;
-  bool is_exact = false;               // `doubles` decide
-  std::vector<double> doubles;         // the boxes by id, one after another
-  std::vector<unsigned long> readers;  // the threads of calls that read now
-  unsigned long changer = 0;           // the thread of the call that changes it
-  unsigned long owner = 0;             // the thread that called Own()
-  std::size_t owned = 0;               // how often
-  bool owner_waits = false;            // for the calls that run
-  std::size_t waiting = 0;             // calls that wait for the owner
-  std::size_t exports = 0;             // blobs that Python objects refer to
-  bool is_half_refitted = false;       // an exception ended Refit()
-  std::size_t changes = 0;             // so far
+  bool is_exact = false;             // `doubles` decide
+  std::vector<double> doubles;       // the boxes by id, one after another
+  std::vector<unsigned long> users;  // the threads of calls that run now
+  bool is_changing = false;          // by the only one of them
+  unsigned long owner = 0;           // the thread that called Own()
+  std::size_t owned = 0;             // how often
+  bool owner_waits = false;          // for the calls that run
+  std::size_t waiting = 0;           // calls that wait for the owner
+  std::size_t exports = 0;           // blobs that Python objects refer to
+  bool is_half_refitted = false;     // an exception ended Refit()
+  std::size_t changes = 0;           // so far
 
   hs_bvh* get() const { return bvh.get(); }
   static hs_columns QueryOf(const hs_columns& box, float* /*unused*/) {
     return box;
   }
 
-  // Removes the results that do not overlap as doubles.
+  Rows rows() const { return {doubles, dims}; }
+  // Removes the results that do not overlap as doubles. Those of query q end at
+  // offsets[q + 1].
   std::size_t Keep(const hs_columns& queries, std::span<std::uint32_t> ids,
                    std::size_t* offsets) const {
     std::array<std::size_t, 2> of_one{0, ids.size()};
     if (offsets == nullptr) offsets = of_one.data();
-    return dims == 2 ? KeepResults<2>(doubles, queries, ids, offsets)
-                     : KeepResults<3>(doubles, queries, ids, offsets);
+    std::size_t kept = 0;
+    for (std::size_t q = 0, i = 0; q < queries.count; ++q) {
+      std::array<double, 6> box;
+      ReadRow(queries, q, 2 * dims, box.data());
+      for (const std::size_t end = offsets[q + 1]; i < end; ++i) {
+        if (i + kAhead < ids.size()) rows().Prefetch(ids[i + kAhead]);
+        ids[kept] = ids[i];
+        kept += rows().IsNear(ids[kept], box.data(), 0) ? 1 : 0;
+      }
+      offsets[q + 1] = kept;
+    }
+    return kept;
   }
   void KeepPairs(float margin, std::vector<hs_id_pair>& pairs) const {
     if (!is_exact) return;
-    pairs.resize(KeepNear(dims, doubles, doubles, margin, pairs));
+    pairs.resize(KeepNear(rows(), rows(), margin, pairs));
   }
 
   // Makes room for ids below the limit. What has room does not throw.
@@ -184,14 +164,13 @@ struct Tree {
     if (is_exact) ReadRows(boxes, ids, doubles.data());
   }
 
-  bool IsReadBy(unsigned long thread) const {
-    return std::find(readers.begin(), readers.end(), thread) != readers.end();
+  bool IsUsedBy(unsigned long thread) const {
+    return std::find(users.begin(), users.end(), thread) != users.end();
   }
   // Whether a call of the thread waits. One that is inside of another, in a
   // function of the caller's, does not: the owner waits for the other.
   bool IsClosedTo(unsigned long thread) const {
-    return owner != 0 && owner != thread && changer != thread &&
-           !IsReadBy(thread);
+    return owner != 0 && owner != thread && !IsUsedBy(thread);
   }
 };
 
@@ -250,43 +229,31 @@ void WaitUntilOpen(Tree& tree, Tree& other) {
 }
 void WaitUntilOpen(Tree& tree) { WaitUntilOpen(tree, tree); }
 
-// Lets the calls go first that have waited for an owner before: a thread that
-// owns a tree again and again would never give up the interpreter's lock in
-// between. Not for long, since such a call can wait for another tree that this
-// thread owns.
-void StandBack(const Tree& tree) {
-  using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + std::chrono::milliseconds(50);
-  TheWaiters().WaitUntil(
-      [&] { return tree.waiting == 0 || Clock::now() >= end; });
-}
-
-void CheckRefitted(const Tree& tree) {
-  if (!tree.is_half_refitted) return;
-  throw std::runtime_error(
-      "refit() of this BVH was interrupted: call refit() with all boxes again "
-      "before any other call");
-}
-
-// Exists while a call reads a tree. The constructor waits for the owner, and
+// Exists while a call uses a tree. The constructor waits for the owner, and
 // throws if another call changes the tree.
 struct TreeReading {
   explicit TreeReading(Tree& its_tree, bool is_refit = false) : tree(its_tree) {
     WaitUntilOpen(tree);
-    if (tree.changer != 0) {
+    if (tree.is_changing) {
       throw std::runtime_error(
           "another call is changing this BVH: wait until it has finished");
     }
-    if (!is_refit) CheckRefitted(tree);
-    tree.readers.push_back(thread);
+    if (tree.is_half_refitted && !is_refit) {
+      throw std::runtime_error(
+          "refit() of this BVH was interrupted: call refit() with all boxes "
+          "again before any other call");
+    }
+    tree.users.push_back(thread);
   }
   TreeReading(const TreeReading&) = delete;
   ~TreeReading() {
     // Those of one thread are equal.
-    *std::find(tree.readers.begin(), tree.readers.end(), thread) =
-        tree.readers.back();
-    tree.readers.pop_back();
-    if (tree.owner_waits && tree.readers.empty()) TheWaiters().WakeAll();
+    *std::find(tree.users.begin(), tree.users.end(), thread) =
+        tree.users.back();
+    tree.users.pop_back();
+    if (!tree.users.empty()) return;
+    tree.is_changing = false;
+    if (tree.owner_waits) TheWaiters().WakeAll();
   }
 
   Tree& tree;
@@ -303,18 +270,25 @@ void Disown(Tree& tree) {
 // Makes all other threads wait, and waits for the calls that run now.
 void Own(Tree& tree) {
   const unsigned long self = PyThread_get_thread_ident();
-  if (tree.changer == self || tree.IsReadBy(self)) {
+  if (tree.IsUsedBy(self)) {
     throw std::runtime_error(
         "changing() was called inside of a call of the same BVH");
   }
-  if (tree.owner == 0 && tree.waiting != 0) StandBack(tree);
+  // Lets the calls go first that have waited for an owner before: a thread that
+  // owns a tree again and again would never give up the interpreter's lock in
+  // between. Not for long, since such a call can wait for another tree that
+  // this thread owns.
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + std::chrono::milliseconds(50);
+  TheWaiters().WaitUntil([&] {
+    return tree.owner != 0 || tree.waiting == 0 || Clock::now() >= end;
+  });
   WaitUntilOpen(tree);
   tree.owner = self;
   ++tree.owned;
   tree.owner_waits = true;
   try {
-    TheWaiters().WaitUntil(
-        [&] { return tree.readers.empty() && tree.changer == 0; });
+    TheWaiters().WaitUntil([&] { return tree.users.empty(); });
     tree.owner_waits = false;
   } catch (...) {
     tree.owner_waits = false;
@@ -335,7 +309,7 @@ struct Changing {
 template <typename Function>
 void Change(Tree& tree, const Function& change, bool is_refit = false) {
   WaitUntilOpen(tree);
-  if (tree.changer != 0 || !tree.readers.empty()) {
+  if (!tree.users.empty()) {
     throw std::runtime_error(
         "another call is using this BVH: wait until it has finished before "
         "you change the BVH, or change it in `with tree.changing():`");
@@ -344,13 +318,8 @@ void Change(Tree& tree, const Function& change, bool is_refit = false) {
     throw py::buffer_error(
         "the blob of this BVH is in use: release it before you change the BVH");
   }
-  if (!is_refit) CheckRefitted(tree);
-  const auto end = [](Tree* its) {
-    its->changer = 0;
-    if (its->owner_waits) TheWaiters().WakeAll();
-  };
-  const std::unique_ptr<Tree, decltype(end)> changing(&tree, end);
-  tree.changer = PyThread_get_thread_ident();
+  const Reading reading(tree, is_refit);
+  tree.is_changing = true;
   if (is_refit) ++tree.changes;  // also if an exception ends it
   {
     const py::gil_scoped_release release;
@@ -360,12 +329,12 @@ void Change(Tree& tree, const Function& change, bool is_refit = false) {
 }
 
 // With the interpreter's lock: a refit does not change sizes.
-template <hs_status (*kSize)(const hs_bvh*, std::size_t*)>
-std::size_t Ask(Tree& tree) {
-  const Reading reading(tree, /*is_refit=*/true);
-  std::size_t size = 0;
-  Check(kSize(tree.get(), &size));
-  return size;
+template <typename Value, hs_status (*kFunction)(const hs_bvh*, Value*)>
+Value Ask(Tree& tree) {
+  const Reading reading(tree, /*is_refit=*/std::is_integral_v<Value>);
+  Value value{};
+  Check(kFunction(tree.get(), &value));
+  return value;
 }
 
 hs_bvh_config ConfigOf(std::size_t dims, bool is_fast = false) {
@@ -375,14 +344,14 @@ hs_bvh_config ConfigOf(std::size_t dims, bool is_fast = false) {
   return config;
 }
 
-Bvh Build(const Columns& boxes, bool is_fast, Work& work,
+Bvh Build(const hs_columns& boxes, std::size_t dims, bool is_fast, Work& work,
           std::size_t progress_end) {
   const bool is_double = boxes.type == HS_FLOAT64;
   // Doubles are rounded, then centers, six splits, a sort and a copy; or
   // centers and a copy.
   Threads threads{work, (is_double ? 1u : 0u) + (is_fast ? 2u : 9u),
                   progress_end, boxes.count};
-  hs_bvh_config config = ConfigOf(boxes.size / 2, is_fast);
+  hs_bvh_config config = ConfigOf(dims, is_fast);
   config.run = &Threads::Run;
   config.run_context = &threads;
   hs_bvh* bvh = nullptr;
@@ -398,7 +367,7 @@ std::unique_ptr<Tree> MakeTree(const py::tuple& arrays, bool is_fast,
   auto tree = std::make_unique<Tree>();
   tree->dims = boxes.size / 2;
   const py::gil_scoped_release release;
-  tree->bvh = Build(boxes, is_fast, work, boxes.count);
+  tree->bvh = Build(boxes, tree->dims, is_fast, work, boxes.count);
   tree->is_exact = is_exact;
   tree->Grow(boxes.count);
   tree->Store(nullptr, boxes);
@@ -476,17 +445,20 @@ class FileBuilder {
 };
 
 // In place if the bytes are aligned, and else a copy. `blob` is an array of
-// bytes.
-std::unique_ptr<Tree> FromBlob(const py::array_t<std::uint8_t>& blob,
-                               bool verify) {
+// bytes. An exact tree has its doubles next to them.
+std::unique_ptr<Tree> FromBlob(
+    const py::array_t<std::uint8_t>& blob, bool verify, bool is_exact,
+    const py::array_t<double, py::array::c_style>& doubles) {
   constexpr std::size_t kAlignment = 64;
   const std::uint8_t* const bytes = blob.data();
-  const auto size = static_cast<std::size_t>(blob.size());
+  const auto size = Length(blob);
   if (size == 0) throw std::invalid_argument("the blob is empty");
   auto tree = std::make_unique<Tree>();
   if (reinterpret_cast<std::uintptr_t>(bytes) % kAlignment == 0) {
     tree->blob = blob;
   }
+  tree->is_exact = is_exact;
+  tree->doubles.assign(doubles.data(), doubles.data() + doubles.size());
   const py::gil_scoped_release release;
   // If this fails, the next call says why.
   hs_kind kind = HS_BOX3;
@@ -530,12 +502,11 @@ py::array BlobOf(const py::object& object) {
 }
 
 // Finds the pairs of a tree, and of `b` or of itself if this is null, by part.
-// keep(pairs) removes some and returns how many are left. Call it without the
-// interpreter's lock.
-template <typename Keep>
+// Removes those that the boxes by id reject, if there are any for both. Call it
+// without the interpreter's lock.
 Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b,
                               hs_pair_options options, Work& work,
-                              const Keep& keep) {
+                              const Rows& of_a, const Rows& of_b) {
   std::size_t leaves = 0;
   Check(hs_bvh_pair_parts(a, &leaves));
   const std::size_t parts = PartsOf(leaves, kPartLeaves);
@@ -549,20 +520,12 @@ Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b,
       Check(b == nullptr
                 ? hs_bvh_pairs(a, &its, pairs.data(), pairs.size(), &total)
                 : hs_bvh_join(a, b, &its, pairs.data(), pairs.size(), &total));
-      return total > pairs.size() ? total : keep(pairs.first(total));
+      const bool is_exact = !of_a.values.empty() && !of_b.values.empty();
+      if (total > pairs.size() || !is_exact) return total;
+      return KeepNear(of_a, of_b, options.margin, pairs.first(total));
     });
   });
   return results;
-}
-
-// keep() of FindPairs(): those of `a` and `b`, which are the boxes by id, or
-// all if they are empty.
-auto KeeperOf(std::span<const double> a, std::span<const double> b,
-              std::size_t dims, double margin) {
-  return [=](std::span<hs_id_pair> pairs) {
-    return a.empty() || b.empty() ? pairs.size()
-                                  : KeepNear(dims, a, b, margin, pairs);
-  };
 }
 
 // Writes the row of each result. The results of row i end at ends[i].
@@ -599,22 +562,22 @@ Ids QueryByJoin(Tree& tree, const py::tuple& arrays, const py::tuple& how) {
     for (std::size_t first = 0; first < boxes.count; first += most) {
       Columns some = boxes;
       static_cast<hs_columns&>(some) = boxes.Rows(first, most);
-      const Bvh queries = Build(some, /*is_fast=*/true, building,
+      const Bvh queries = Build(some, tree.dims, /*is_fast=*/true, building,
                                 /*progress_end=*/0);
       std::vector<double> rows(tree.is_exact ? some.size * some.count : 0);
       if (tree.is_exact) ReadRows(some, nullptr, rows.data());
-      const auto keep = KeeperOf(rows, tree.doubles, tree.dims, 0);
-      work.SetStage(first, first + some.count, boxes.count);
+      const std::size_t end = first + some.count;
+      work.SetStage(first, end, boxes.count);
       auto found = FindPairs(queries.get(), tree.get(), options, work,
-                             [&](std::span<hs_id_pair> pairs) {
-                               const std::size_t kept = keep(pairs);
-                               // All pairs of a row are in one part.
-                               for (hs_id_pair& pair : pairs.first(kept)) {
-                                 pair.a += static_cast<std::uint32_t>(first);
-                                 ++ends[pair.a];
-                               }
-                               return kept;
-                             });
+                             {rows, tree.dims}, tree.rows());
+      work.SetStage(end, end, boxes.count);
+      // All pairs of a row are in one part.
+      work.Run(found.lists.size(), [&](std::size_t part, std::size_t) {
+        for (hs_id_pair& pair : found.lists[part]) {
+          pair.a += static_cast<std::uint32_t>(first);
+          ++ends[pair.a];
+        }
+      });
       std::move(found.lists.begin(), found.lists.end(),
                 std::back_inserter(lists));
     }
@@ -682,18 +645,18 @@ Ids PairsOf(Tree& tree, Tree* b, float margin, const py::tuple& how) {
     const Reading reading_b(other);
     const py::gil_scoped_release release;
     // A tree of floats has no doubles.
+    Rows of_a = tree.rows();
+    Rows of_b = other.rows();
     std::vector<double> made;
-    std::span<const double> of_a = tree.doubles;
-    std::span<const double> of_b = other.doubles;
     if (tree.is_exact != other.is_exact) {
       made = DoublesOf(tree.is_exact ? other : tree);
-      (tree.is_exact ? of_b : of_a) = made;
+      (tree.is_exact ? of_b : of_a).values = made;
     }
     std::size_t size = 0;
     Check(hs_bvh_size(tree.get(), &size));
     work.SetStage(0, size, size);
     return FindPairs(tree.get(), b == nullptr ? nullptr : b->get(), options,
-                     work, KeeperOf(of_a, of_b, tree.dims, margin));
+                     work, of_a, of_b);
   }();
   std::vector<std::size_t> offsets{0};
   for (const auto& list : results.lists) {
@@ -719,55 +682,39 @@ Ids PairsOf(Tree& tree, Tree* b, float margin, const py::tuple& how) {
 
 // The first triangles that rays hit, or all of them, sorted by t. Triangle i is
 // that of object i.
-py::tuple CastToTriangles(Tree& tree, const py::tuple& its_rays,
+py::tuple CastToTriangles(Tree& tree, const py::tuple& rays,
                           const py::tuple& its_triangles, bool finds_all,
                           const py::tuple& how) {
+  using Its = Searches<Tree>;
+  constexpr std::pair kCast{&hs_bvh_raycast_triangles,
+                            &hs_bvh_raycast_triangles_each};
   const Columns triangles(its_triangles);
-  const hs_query_options options = Searches<Tree>::OptionsOf(MaskOf(how));
-  Work work = WorkOf(how);
-  const Reading reading(tree);
-  const Columns rays = Searches<Tree>::QueriesIn(tree, its_rays, work);
-  if (finds_all) {
-    return Searches<Tree>::FindHits(
-        rays, work,
-        [&](const hs_columns& some, std::size_t, hs_hit_function function,
-            void* context) {
-          Check(hs_bvh_raycast_triangles_each(tree.get(), &some, &triangles,
-                                              &options, function, context));
-        });
-  }
-  return FindIdsAndFloats(
-      rays, 1, kPartQueries, work,
-      [&](const hs_columns& some, std::size_t, std::uint32_t* ids, float* ts) {
-        Check(hs_bvh_raycast_triangles(tree.get(), &some, &triangles, &options,
-                                       ids, ts));
+  Its::Search its(tree, rays, how);
+  return Its::FindHits(
+      its, finds_all, [&](const QueryPart& part, auto to, auto of) {
+        Check(std::get<Its::kFindsAll<decltype(of)>>(kCast)(
+            tree.get(), &part.queries, &triangles, &its.options, to, of));
       });
 }
 
 // The triangles that are closest to points, their distances and the points on
 // them, of shape (n, 3).
-py::tuple ClosestPoints(Tree& tree, const py::tuple& its_points,
+py::tuple ClosestPoints(Tree& tree, const py::tuple& points,
                         const py::tuple& its_triangles, float max_distance,
                         const py::tuple& how) {
   const Columns triangles(its_triangles);
-  const hs_query_options options = Searches<Tree>::OptionsOf(MaskOf(how));
-  Work work = WorkOf(how);
-  const Reading reading(tree);
-  const Columns points = Searches<Tree>::QueriesIn(tree, its_points, work);
-  py::array_t<float> closest(std::vector<std::size_t>{points.count, 3});
-  float* const to = closest.mutable_data();
+  Searches<Tree>::Search its(tree, points, how);
+  const Output<float> closest(its.queries, 3);
   const py::tuple found = FindIdsAndFloats(
-      points, 1, kPartQueries, work,
-      [&](const hs_columns& some, std::size_t first, std::uint32_t* ids,
-          float* distances) {
-        std::array<float, 3 * kPartQueries> its;
-        Check(hs_bvh_closest_points(tree.get(), &some, &triangles, max_distance,
-                                    &options, ids, its.data(), distances));
-        for (std::size_t i = 0; i < some.count; ++i) {
-          std::copy_n(&its[3 * i], 3, to + 3 * points.RowAt(first + i));
-        }
+      its.queries, 1, kPartQueries, its.work,
+      [&](const QueryPart& part, std::uint32_t* ids, float* distances) {
+        std::vector<float> places(3 * part.queries.count);
+        Check(hs_bvh_closest_points(tree.get(), &part.queries, &triangles,
+                                    max_distance, &its.options, ids,
+                                    places.data(), distances));
+        closest.Store(part.first, places);
       });
-  return py::make_tuple(found[0], found[1], closest);
+  return py::make_tuple(found[0], found[1], closest.array());
 }
 
 ShortIds Insert(Tree& tree, const py::tuple& arrays) {
@@ -785,10 +732,8 @@ ShortIds Insert(Tree& tree, const py::tuple& arrays) {
 }
 
 void Erase(Tree& tree, const ShortIds& ids) {
-  Change(tree, [&] {
-    Check(hs_bvh_erase(tree.get(), ids.data(),
-                       static_cast<std::size_t>(ids.size())));
-  });
+  Change(tree,
+         [&] { Check(hs_bvh_erase(tree.get(), ids.data(), Length(ids))); });
 }
 
 void Refit(Tree& tree, const py::tuple& arrays, std::size_t threads,
@@ -827,7 +772,7 @@ void SetSome(Tree& tree, const py::tuple& arrays, const ShortIds& ids) {
 
 // Of some objects, or of all if there are no ids.
 void SetMasks(Tree& tree, const ShortIds& ids, const ShortIds& masks) {
-  const auto count = static_cast<std::size_t>(masks.size());
+  const auto count = Length(masks);
   if (ids.size() != 0 && ids.size() != masks.size()) ThrowNotPrepared();
   Change(tree, [&] {
     Check(ids.size() != 0
@@ -845,24 +790,9 @@ void Rebuild(Tree& tree, bool is_fast, std::size_t threads) {
   Change(tree, [&] { its_threads.Check(hs_bvh_rebuild(tree.get(), &config)); });
 }
 
-double CostRatio(Tree& tree) {
-  const Reading reading(tree);
-  double ratio = 0;
-  Check(hs_bvh_cost_ratio(tree.get(), &ratio));
-  return ratio;
-}
-
 py::array_t<double> Doubles(Tree& tree) {
   const Reading reading(tree);
   return py::array_t<double>(Size(tree.doubles.size()), tree.doubles.data());
-}
-
-// The doubles of a tree that is read from its blob.
-void SetDoubles(Tree& tree, const py::array_t<double>& doubles) {
-  Change(tree, [&] {
-    tree.is_exact = true;
-    tree.doubles.assign(doubles.data(), doubles.data() + doubles.size());
-  });
 }
 
 py::array_t<float> BoundsOf(Tree& tree) {
@@ -886,6 +816,27 @@ py::array_t<float> Boxes(Tree& tree) {
 
 }  // namespace
 
+std::vector<std::uint32_t> OrderByPlace(const hs_columns& records,
+                                        std::size_t dims, Work& work) {
+  hs_columns points = records;
+  for (std::size_t k = 0; k < dims; ++k) {
+    points.column[dims + k] = points.column[k];
+  }
+  const Bvh bvh =
+      Build(points, dims, /*is_fast=*/true, work, /*progress_end=*/0);
+  std::array<float, 6> everything;
+  Check(hs_bvh_bounds(bvh.get(), everything.data()));
+  const auto* const max = everything.data() + dims;
+  // Rays from one camera start at one place: no order helps.
+  if (std::equal(max, max + dims, everything.data())) return {};
+  const hs_columns query = hs_float_rows(everything.data(), 1, 2 * dims);
+  std::vector<std::uint32_t> order(records.count);
+  std::size_t total = 0;
+  Check(hs_bvh_query(bvh.get(), &query, nullptr, order.data(), order.size(),
+                     nullptr, &total));
+  return total == records.count ? order : std::vector<std::uint32_t>();
+}
+
 void DefineTree(py::module_& module) {
   py::class_<Tree> of(module, "Tree");
   Searches<Tree>::Define(of);
@@ -905,7 +856,7 @@ void DefineTree(py::module_& module) {
       .def("refit_some", &SetSome<&hs_bvh_set>)
       .def("set_masks", &SetMasks)
       .def("rebuild", &Rebuild)
-      .def("cost_ratio", &CostRatio)
+      .def("cost_ratio", &Ask<double, &hs_bvh_cost_ratio>)
       .def("changing",
            [](const py::object& self) {
              return Changing{self, self.cast<Tree*>()};
@@ -913,14 +864,13 @@ void DefineTree(py::module_& module) {
       .def("bounds", &BoundsOf)
       .def("boxes", &Boxes)
       .def("doubles", &Doubles)
-      .def("set_doubles", &SetDoubles)
-      .def("size", &Ask<&hs_bvh_size>)
-      .def("id_limit", &Ask<&hs_bvh_id_limit>)
-      .def("nbytes", &Ask<&hs_bvh_bytes>)
-      .def_property_readonly("nbytes_of_doubles",
-                             [](const Tree& tree) {
-                               return tree.doubles.capacity() * sizeof(double);
-                             })
+      .def("size", &Ask<std::size_t, &hs_bvh_size>)
+      .def("id_limit", &Ask<std::size_t, &hs_bvh_id_limit>)
+      .def("nbytes",
+           [](Tree& tree) {
+             return Ask<std::size_t, &hs_bvh_bytes>(tree) +
+                    tree.doubles.capacity() * sizeof(double);
+           })
       .def_readonly("changes", &Tree::changes);
   py::class_<FileBuilder>(module, "FileBuilder")
       .def(py::init<const std::string&, std::size_t, bool, std::size_t>())

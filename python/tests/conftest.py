@@ -74,3 +74,8 @@ def rng():
 @pytest.fixture(params=[2, 3])
 def dims(request):
     return request.param
+
+
+@pytest.fixture
+def boxes(rng, dims):
+    return random_boxes(rng, 2000, dims)

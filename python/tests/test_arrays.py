@@ -156,7 +156,7 @@ def test_arrow_errors():
         (ArrowColumn(column, format=b"i"), TypeError,
          'boxes[2]: expected an Arrow array of float or double, got the Arrow format "i"'),
         (ArrowColumn(column[1:]), ValueError,
-         "boxes: expected columns of the same length, got lengths [300, 300, 299"),
+         "boxes: expected arrays of the same shape, got [(300, 1), (300, 1), (299,"),
         (released, ValueError, "boxes[2]: expected an Arrow array, got one that was rel"),
     ):
         with pytest.raises(error, match=re.escape(message)):
@@ -167,6 +167,7 @@ def test_arrow_errors():
 
 NAN = float("nan")
 INF = float("inf")
+SHAPE = "boxes: expected boxes of shape (n, 6) or (6,) or (n, 4) or (4,)"
 BAD_BOXES = [
     ([[0, 0, NAN, 1]], "boxes[0]: expected numbers, got NaN in [0.0, 0.0,"),
     (
@@ -176,17 +177,14 @@ BAD_BOXES = [
     ([0, 0, -1, 1], "boxes: expected min <= max, got min 0.0 > max -1.0 on"),
     # Empty on one axis alone.
     ([[INF, 0, -INF, 1]], "boxes[0]: expected min <= max, got min inf >"),
-    ([[0, 0, 1]], "boxes: expected boxes of shape (n, 6), (n, 4)"),
-    ([], "boxes: expected boxes of shape (n, 6), (n, 4)"),
-    (np.zeros((2, 2, 6)), "boxes: expected boxes of shape (n, 6), (n, 4)"),
-    (3, "boxes: expected boxes of shape (n, 6), (n, 4)"),
-    ((np.zeros((2, 4)),) * 2, "boxes: expected boxes of shape (n, 6), (n, 4)"),
+    ([[0, 0, 1]], SHAPE),
+    ([], SHAPE),
+    (np.zeros((2, 2, 6)), SHAPE),
+    (3, SHAPE),
+    ((np.zeros((2, 4)),) * 2, SHAPE),
     ([[0, 0, 1, 1], [0, 0, 1]], "boxes: expected an array of numbers"),
     ([[2**60, 0, 2**60, 1]], "boxes: expected integers between -2^53 and"),
-    (
-        (np.zeros((2, 3)), np.zeros((3, 3))),
-        "boxes: expected minima and maxima of the same shape, got (2, 3) and (3, 3)",
-    ),
+    ((np.zeros((2, 3)), np.zeros((3, 3))), "boxes: expected arrays of the same shape, got [(2,"),
     (
         np.broadcast_to(np.float32(0), (2**31, 6)),
         "boxes: expected fewer than 2^31 boxes, got 2147483648",
@@ -251,10 +249,10 @@ BAD_CALLS = [
     (lambda: TREE.refit([BOX]), "boxes: expected 2 boxes, one for each id of the tree, got 1"),
     (lambda: TREE.refit([BOX], [0, 1]), "ids: expected one id for each of 1 boxes, got 2"),
     (lambda: hs.BVH(tuple(np.zeros((4, 4)))), "boxes: a tuple of 4 arrays of length 4"),
-    (lambda: TREE.boxes([10**6]), "ids: expected ids below"),
+    (lambda: TREE.boxes([10**6]), "ids[0]: expected the id of an object, got 1000000"),
     (lambda: TREE.set_masks([1, 2, 3]), "masks: expected one integer or an array of shape (2,)"),
     (lambda: TREE.set_masks(1, [2]), "ids[0]: expected the id of an object, got 2"),
-    (lambda: TREE.query(BOX, mask=2**32), "mask: expected an integer from 0 to 2^32 - 1"),
+    (lambda: TREE.query(BOX, mask=2**32), "mask: expected an integer from 0 to 4294967295"),
     (lambda: TREE.pairs(margin=INF), "margin: expected a finite float32, got inf"),
     (lambda: hs.join(TREE, TREE, margin=NAN), "margin: expected a number that is not neg"),
     (lambda: hs.join(TREE, hs.BVH(BOXES)), "b: expected a BVH of 2 dimension"),
@@ -274,7 +272,7 @@ BAD_CALLS = [
     ),
     (lambda: hs.BroadPhase(4), "dimensions: expected 2 or 3, got 4"),
     (lambda: hs.BroadPhase(kind="box"), 'kind: expected "aabb" or "aabo"'),
-    (lambda: BODIES.update(-1), "budget: expected at least 0, got -1"),
+    (lambda: BODIES.update(-1), "budget: expected an integer from 0 to"),
     (lambda: BODIES.load(b""), "data: expected"),
     (lambda: BODIES.load(hs.BroadPhase(3).save()), "data: expected"),
     (
@@ -286,10 +284,10 @@ BAD_TYPES = [
     (lambda: TREE.query(BOX, threads=1.5), "threads: expected an integer, got float"),
     (lambda: TREE.nearest([0, 0], "2"), "k: expected an integer, got str"),
     (lambda: TREE.nearest([0, 0], max_distance=None), "max_distance: expected a number"),
-    (lambda: TREE.erase([0.5]), "ids: expected an integer or a one-dimensional array"),
+    (lambda: TREE.erase([0.5]), "ids: expected integers, got float64"),
     (lambda: hs.join(TREE, [BOX]), "b: expected a BVH, got list"),
-    (lambda: BODIES.insert([2], [BOX], 1.5), "categories: expected integers of 32 bits"),
-    (lambda: BODIES.insert([2], [BOX], [2**70]), "categories: expected integers of 32 bits"),
+    (lambda: BODIES.insert([2], [BOX], 1.5), "categories: expected integers, got"),
+    (lambda: BODIES.insert([2], [BOX], [2**70]), "categories: expected integers, got"),
 ]
 
 
@@ -325,11 +323,11 @@ TWO = [[0, 0], [1, 1]]
 MASKED = [
     ("boxes", lambda: hs.BVH(masked([BOX]))),
     ("boxes", lambda: hs.BVH(masked(BOX))),
-    ("boxes", lambda: hs.BVH((masked(TWO), np.array(TWO)))),
+    ("boxes[0]", lambda: hs.BVH((masked(TWO), np.array(TWO)))),
     ("boxes", lambda: hs.BVH([np.array(BOX), masked(BOX)])),
     ("boxes", lambda: hs.BVH([BOX, [0, 0, 1, masked(1)]])),
     ("boxes", lambda: hs.BVH(MaskedVariable([BOX]))),
-    ("boxes", lambda: hs.BVH((MaskedVariable(TWO), np.array(TWO)))),
+    ("boxes[0]", lambda: hs.BVH((MaskedVariable(TWO), np.array(TWO)))),
     ("boxes[3]", lambda: hs.BVH((*np.zeros((3, 2)), masked([1, 1])))),
     ("boxes", lambda: hs.Scan(masked([BOX]))),
     ("boxes", lambda: TREE.query(masked(BOX))),
@@ -338,7 +336,7 @@ MASKED = [
     ("ids", lambda: TREE.erase(masked([0, 1]))),
     ("ids", lambda: TREE.erase(np.ma.array([0, 1], mask=[0, 1]))),
     ("points", lambda: TREE.nearest(masked([0, 0]))),
-    ("points", lambda: TREE.nearest((masked(TWO), np.array(TWO)))),
+    ("points[0]", lambda: TREE.nearest((masked(TWO), np.array(TWO)))),
     ("k", lambda: TREE.nearest([0, 0], masked(1))),
     ("max_distance", lambda: TREE.nearest([0, 0], max_distance=masked(1.0))),
     ("threads", lambda: TREE.pairs(threads=masked(1))),

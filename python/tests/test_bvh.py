@@ -1,5 +1,6 @@
 """Results of the BVH, compared with NumPy."""
 
+import copy
 import pickle
 
 import halfspace as hs
@@ -7,11 +8,6 @@ import numpy as np
 import pytest
 
 from conftest import as_matrix, near_boxes, overlaps, random_boxes
-
-
-@pytest.fixture
-def boxes(rng, dims):
-    return random_boxes(rng, 2000, dims)
 
 
 @pytest.fixture
@@ -23,6 +19,11 @@ def bodies_of(boxes):
     bodies = hs.BroadPhase(boxes.shape[1] // 2)
     bodies.insert(np.arange(len(boxes)), boxes)
     return bodies
+
+
+@pytest.fixture(params=[hs.BVH, bodies_of])
+def tree_of(request):
+    return request.param
 
 
 KINDS = {
@@ -159,19 +160,6 @@ def distances_of(points, boxes):
     return np.linalg.norm(np.maximum(gap, 0), axis=2)
 
 
-def test_nearest_within_a_distance():
-    tree = hs.BVH([[0, 0, 1, 1], [4, 0, 5, 1]])
-    ids, distances = tree.nearest([2, 0], k=2, max_distance=1.5)
-    assert ids.tolist() == [0, -1]
-    assert distances.tolist() == [1, np.inf]
-    # More than the results of one part.
-    ids, distances = tree.nearest(np.float32([[2, 0], [4, 0]]), k=5000)
-    assert ids[:, :2].tolist() == [[0, 1], [1, 0]] and (ids[:, 2:] == -1).all()
-    assert distances[:, :2].tolist() == [[1, 2], [0, 3]] and np.isinf(distances[:, 2:]).all()
-    # 0.1 is no float: the limit is rounded up, and an object at it is found.
-    assert tree.nearest([1.1, 0], max_distance=1.1 - 1)[0].tolist() == [0]
-
-
 def far_and_huge(dims):
     """Boxes on a grid, many of them equal, and empty, infinite and huge ones."""
     corners = np.random.default_rng(5).integers(0, 6, (2000, dims)).astype(float)
@@ -182,12 +170,11 @@ def far_and_huge(dims):
     return boxes
 
 
-@pytest.mark.parametrize("kind", [hs.BVH, hs.BroadPhase])
-@pytest.mark.parametrize("k", [1, 5])
+@pytest.mark.parametrize("k", [1, 5, 5000])  # 5000 are more than the results of a part
 @pytest.mark.parametrize("exclusive", [False, True])
-def test_all_ties(rng, dims, kind, k, exclusive):
+def test_all_ties(rng, dims, tree_of, k, exclusive):
     boxes = far_and_huge(dims)
-    tree = tree_of(kind, boxes)
+    tree = tree_of(boxes)
     points = np.vstack([rng.integers(-2, 9, (60, dims)), [[80] * dims], [[1e25] * dims]])
     queries = np.hstack([points, points + 1.0])
     queries[-1] = [np.inf] * dims + [-np.inf] * dims
@@ -200,13 +187,13 @@ def test_all_ties(rng, dims, kind, k, exclusive):
         if exclusive:
             its = np.hstack([given, given]) if given is points else given
             exact[(its[:, None] == boxes[None]).all(axis=2)] = np.inf
-        last = np.sort(exact, axis=1)[:, k - 1, None]
-        expected = np.isfinite(exact) & (exact <= last)
+        by_distance = np.sort(np.pad(exact, ((0, 0), (0, k)), constant_values=np.inf), axis=1)
+        expected = np.isfinite(exact) & (exact <= by_distance[:, k - 1, None])
         assert (as_matrix(np.stack([rows, ids]), expected.shape) == expected).all()
         assert (distances == np.float32(exact[rows, ids])).all()
         assert (np.diff(rows) >= 0).all() and len(ids) > 1000
-        near, far = tree.nearest(given, k, max_distance=2, exclusive=exclusive)
-        assert (far == np.float32(np.sort(exact, axis=1)[:, :k])).all()
+        near, far = tree.nearest(given, k, max_distance=2, exclusive=exclusive, threads=2)
+        assert (far == np.float32(by_distance[:, :k])).all()
         its_rows, rank = np.nonzero(near >= 0)
         assert len(rank) == np.isfinite(far).sum()
         its = near[its_rows, rank]
@@ -218,16 +205,11 @@ def test_all_ties(rng, dims, kind, k, exclusive):
     assert tree.nearest(points[:0], all_ties=True)[0].shape == (2, 0)
 
 
-def tree_of(kind, boxes):
-    return hs.BVH(boxes) if kind is hs.BVH else bodies_of(boxes)
-
-
-@pytest.mark.parametrize("kind", [hs.BVH, hs.BroadPhase])
 @pytest.mark.parametrize("call", ["raycast", "boxcast", "spherecast"])
-def test_casts(rng, dims, kind, call):
+def test_casts(rng, dims, tree_of, call):
     """Compared with the slabs. No cast meets an edge, and the spheres have no size."""
     boxes = far_and_huge(dims)
-    tree = tree_of(kind, boxes)
+    tree = tree_of(boxes)
     low = np.float32(rng.random((700, dims)) * 8 - 1)
     high = low + np.float32(0.5 if call == "boxcast" else 0)
     starts = np.hstack([low, high]) if call == "boxcast" else low.astype(float)
@@ -260,10 +242,9 @@ def test_casts(rng, dims, kind, call):
     assert cast(slice(0), ways[:0], all_hits=True)[0].shape == (2, 0)
 
 
-@pytest.mark.parametrize("kind", [hs.BVH, hs.BroadPhase])
-def test_casts_of_spheres(dims, kind):
+def test_casts_of_spheres(dims, tree_of):
     boxes = np.array([[4] * dims + [5] * dims, [8] * dims + [9] * dims])
-    tree = tree_of(kind, boxes)
+    tree = tree_of(boxes)
     up = [1] + [0] * (dims - 1)
     middle = [0] + [4.5] * (dims - 1)
     assert tree.spherecast(middle, 0.5, up) == (0, pytest.approx(3.5, abs=1e-4))
@@ -276,47 +257,36 @@ def test_casts_of_spheres(dims, kind):
     assert t == pytest.approx([4 - 0.75**0.5, 3.75], abs=1e-4)
 
 
-def test_one_ray():
-    tree = hs.BVH([[1, 0, 2, 1], [1, 0, 3, 1]])
-    assert tree.raycast([0, 0.5], [1, 0]) == (0, pytest.approx(1, 1e-5))
-    assert tree.raycast([0, 0.5], [1, 0], 0.5) == (-1, np.inf)
-    # 0.1 is no float: it is rounded up, and a box there is entered.
-    assert hs.BVH([[0.1, 0, 1, 1]]).raycast([0, 0], [1, 0], 0.1)[0] == 0
-    # 1e300 is no float either.
-    assert tree.raycast([0, 0.5], [1, 0], 1e300)[0] == 0
-
-
-@pytest.mark.parametrize("exact", [False, True])
+@pytest.mark.parametrize("exact", [(False, False), (True, False), (True, True)])
 @pytest.mark.parametrize("n", [0, 1, 64, 65, 2000])
-def test_pairs_and_join(rng, dims, queries, n, exact):
-    boxes = random_boxes(rng, n, dims)
-    tree = hs.BVH(boxes, exact=exact)
+def test_pairs_and_join(rng, dims, n, exact):
+    """Of two trees, one of which can be exact. Then the join is, too."""
+    skip = 0 if any(exact) else 2  # the box of everything can find the empty box
+    tree, other = (
+        hs.BVH(near_boxes(rng, count + skip, dims)[skip:], exact=its)
+        for count, its in zip((n, 1500), exact)
+    )
+    boxes, others = tree.boxes(), other.boxes()
+    # Results do not depend on the number of threads.
+    on_two_threads = hs.BVH(boxes, exact=exact[0], threads=2)
+    assert pickle.dumps(on_two_threads) == pickle.dumps(tree)
+    assert np.array_equal(tree.pairs(), tree.pairs(threads=2))
+    for margin in (0, 0.125) if any(exact) else (0,):
+        wide = boxes + np.repeat([-margin, margin], dims)
+        expected = np.triu(overlaps(wide, boxes), 1)
+        found = tree.pairs(margin=margin, threads=None)
+        assert (as_matrix(found, expected.shape) == expected).all()
+        expected[50:] = False
+        found = np.sort(tree.pairs_of(np.arange(min(n, 50)), margin=margin)).T
+        assert (as_matrix(found, expected.shape) == expected).all()
+        expected = overlaps(wide, others)
+        for found in (hs.join(tree, other, margin=margin),
+                      hs.join(other, tree, margin=margin, threads=2)[::-1]):
+            assert (as_matrix(found, expected.shape) == expected).all()
     assert pickle.loads(pickle.dumps(tree)).dims == dims
-    assert ((tree.nearest(queries[0])[0] >= 0) == (n > 0)).all()
-    expected = np.triu(overlaps(boxes, boxes), 1)
-    assert (as_matrix(tree.pairs(), expected.shape) == expected).all()
-    expected = overlaps(queries, boxes)
-    found = hs.join(hs.BVH(queries), tree)
-    assert (as_matrix(found, expected.shape) == expected).all()
-    tree.insert(queries)
-    assert tree.any(queries).all() and len(tree) == n + len(queries)
-
-
-def test_threads_do_not_change_results(boxes, queries):
-    one, two = hs.BVH(boxes), hs.BVH(boxes, threads=2)
-    assert bytes(one.blob()) == bytes(two.blob())
-    dims = one.dims
-    calls = [
-        lambda threads: one.query(queries, threads=threads),
-        lambda threads: one.nearest(queries, 3, threads=threads),
-        lambda threads: one.raycast(queries[:, :dims], [1] * dims, threads=threads),
-        lambda threads: one.pairs(threads=threads),
-        lambda threads: hs.join(one, two, threads=threads),
-    ]
-    for call in calls:
-        expected = call(1)
-        for threads in (2, 5, None):
-            assert np.array_equal(call(threads), expected)
+    assert (tree.nearest([5e5] * dims)[0] >= 0) == (n > 0)
+    tree.insert(others[6:])
+    assert tree.any(others[6:]).all() and len(tree) == len(boxes) + 1494
 
 
 @pytest.mark.parametrize("exact", [False, True])
@@ -376,15 +346,14 @@ def test_many_queries_of_a_large_tree(rng, dims, exact):
             assert np.array_equal(whole, np.concatenate(found))
 
 
-@pytest.mark.parametrize("kind", [hs.BVH, hs.BroadPhase])
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 @pytest.mark.parametrize("each", [False, True])
-def test_what_is_within_a_distance(rng, dims, kind, dtype, each):
+def test_what_is_within_a_distance(rng, dims, tree_of, dtype, each):
     """On a grid, so that floats are exact."""
     corners = rng.integers(0, 40, (1500, dims)).astype(dtype)
     boxes, centers = np.hstack([corners, corners + 1]), corners[::-1]
     queries = np.hstack([centers, centers + 2])
-    tree = tree_of(kind, boxes)
+    tree = tree_of(boxes)
     within = np.arange(len(queries)) % 8 / 2 if each else 2.5
     limits = np.broadcast_to(within, len(queries))
     for call, its in ((lambda some, limit: tree.query(queries[some], within=limit), queries),
@@ -396,9 +365,8 @@ def test_what_is_within_a_distance(rng, dims, kind, dtype, each):
         assert sorted(call(3, limits[3])) == np.flatnonzero(expected[3]).tolist()
 
 
-@pytest.mark.parametrize("kind", [hs.BVH, hs.BroadPhase])
-def test_distances_of_doubles_are_rounded_outward(kind):
-    tree = tree_of(kind, np.array([[0, 0, 1, 1], [5, 7, 6, 8]]))
+def test_limits_and_distances_of_doubles_are_rounded_outward(tree_of):
+    tree = tree_of(np.array([[0, 0, 1, 1], [5, 7, 6, 8]]))
     # Boxes whose nearest floats are farther away.
     assert tree.query([1 + 0.75 * 2**-23, 0, 2, 1], within=0.75 * 2**-23).tolist() == [0]
     assert tree.query([4, 7, 5 - 0.75 * 2**-21, 8], within=0.75 * 2**-21).tolist() == [1]
@@ -410,6 +378,11 @@ def test_distances_of_doubles_are_rounded_outward(kind):
     assert tree.query_sphere([just_above, 0.5], 0.25).tolist() == [0]
     assert sorted(tree.query_sphere([1e300, 0.5], 2.0)) == [0, 1]
     assert tree.query_sphere([3.001, 0.5], 2.0).tolist() == []
+    # 0.1 is no float, nor is 1e300: they are rounded up, and an object at the limit is found.
+    assert tree.nearest([1.1, 0], max_distance=1.1 - 1)[0].tolist() == [0]
+    away = tree_of(np.array([[0.1, 0, 1, 1]]))
+    assert away.raycast([0, 0], [1, 0], 0.1)[0] == away.raycast([0, 0], [1, 0], 1e300)[0] == 0
+    assert away.raycast([0, 0], [1, 0], 0.09) == (-1, np.inf)
 
 
 def test_masks_margins_and_order(rng, dims, boxes, queries):
@@ -453,3 +426,56 @@ def test_masks_margins_and_order(rng, dims, boxes, queries):
     tree.rebuild(quality="fast", threads=2)
     assert tree.cost_ratio == 1 and len(tree) == len(boxes) - 1
     assert sorted(tree.query(everything, mask=96)) == [4, 6]
+
+
+@pytest.mark.parametrize("exact", [True, False])
+def test_changes(rng, dims, exact):
+    boxes = near_boxes(rng, 3000, dims)
+    if not exact:
+        boxes = hs.BVH(boxes).boxes()
+    tree = hs.BVH(boxes[:2000], exact=exact)
+
+    def check(its, erased=()):
+        expected = overlaps(boxes, its)
+        expected[:, erased] = False
+        found = tree.query(boxes)
+        assert (as_matrix(found, expected.shape) == expected).all()
+        np.testing.assert_array_equal(tree.boxes(), its)
+
+    check(boxes[:2000])
+    assert tree.insert(boxes[2000:2500]).tolist() == list(range(2000, 2500))
+    tree.insert_as(np.arange(2500, 3000)[::-1], boxes[2500:][::-1])
+    check(boxes)
+    moved = boxes.copy()
+    moved[7:100] = hs.BVH(near_boxes(rng, 93, dims), exact=exact).boxes()
+    tree.refit(moved[7:100], np.arange(7, 100))
+    check(moved)
+    tree.erase([8, 2999])
+    assert len(tree) == 2998
+    tree.rebuild()
+    moved = moved[:2999]
+    moved[8] = boxes[0]
+    check(moved, [8])
+    tree.refit(boxes[:2999])
+    moved = boxes[:2999].copy()
+    moved[8] = boxes[0]
+    check(moved, [8])
+    for wrong, text in (
+        ([7000, 7000], "ids: expected ids that no object has"),
+        ([7000, 7], r"ids\[1\]: expected ids that no object has"),
+        ([7000], "ids: expected one id for each of 2 boxes, got 1"),
+        ([-1, 2], r"ids\[0\]: expected the id of an object, got -1"),
+    ):
+        with pytest.raises(ValueError, match=text):
+            tree.insert_as(wrong, boxes[:2])
+    check(moved, [8])
+    if not exact:
+        return
+    pickles = [pickle.loads(pickle.dumps(tree, protocol)) for protocol in (2, 5)]
+    for same in (copy.copy(tree), *pickles):
+        assert (same.query(boxes) == tree.query(boxes)).all() and same.insert(boxes[9]) >= 0
+        assert same.nbytes > hs.BVH(moved).nbytes + moved.nbytes
+    for call in (tree.blob, lambda: tree.save("x")):
+        with pytest.raises(TypeError, match="pickle an exact one"):
+            call()
+    assert tree.boxes([9, 8, 9]).tolist() == boxes[[9, 0, 9]].tolist()
