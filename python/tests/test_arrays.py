@@ -74,6 +74,11 @@ def test_types(dtype):
     assert tree.query(np.array([5, 5, 6, 6], dtype)).tolist() == []
 
 
+def test_a_tuple_of_points_is_no_tuple_of_columns():
+    tree = hs.BVH([[0, 0, 1, 1], [5, 5, 6, 6]])
+    assert tree.nearest(tuple(np.eye(4, 2) * 9))[0].shape == (4, 1)
+
+
 def test_integers_are_rounded_outward():
     edge = 2**24 + 1  # not a float
     tree = hs.BVH(np.array([[0, 0, edge, edge]]))

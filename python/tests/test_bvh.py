@@ -376,6 +376,8 @@ def test_limits_and_distances_of_doubles_are_rounded_outward(tree_of):
     assert tree.query(box, within=0.25).tolist() == [0]
     assert tree.query(box, within=0.2499).tolist() == []
     assert tree.query_sphere([just_above, 0.5], 0.25).tolist() == [0]
+    far = tree_of(np.array([[5e5, 0, 5e5 + 1, 1]]))
+    assert far.query_sphere([5e5 + 1.02, 0.5], 0.021).tolist() == [0]
     assert sorted(tree.query_sphere([1e300, 0.5], 2.0)) == [0, 1]
     assert tree.query_sphere([3.001, 0.5], 2.0).tolist() == []
     # 0.1 is no float, nor is 1e300: they are rounded up, and an object at the limit is found.
