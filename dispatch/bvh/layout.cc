@@ -380,8 +380,7 @@ Rounded::Rounded(const PlaneLayout& layout, const MemoryResource& memory,
                                 [](const void* at) { kernels::Prefetch(at); });
       }
       const std::size_t i = element_of(s);
-      // Of an empty slot: kNoId, or in an altered blob any id.
-      if (i >= objects.size) continue;
+      if (i == kNoId) continue;
       for (std::size_t p = 0; p < planes; ++p) {
         const dispatch::ExactSum value = {
             objects.doubles(p)[i * objects.stride], 0.0};
