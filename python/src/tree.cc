@@ -841,11 +841,18 @@ py::array_t<double> Doubles(Tree& tree) {
   return py::array_t<double>(Size(tree.doubles.size()), tree.doubles.data());
 }
 
-// The doubles of a tree that is read from its blob.
-void SetDoubles(Tree& tree, const py::array_t<double>& doubles) {
+// The doubles of a tree that is read from its blob, in a pickle.
+void SetDoubles(Tree& tree,
+                const py::array_t<double, py::array::c_style>& doubles) {
+  const std::size_t limit = Ask<&hs_bvh_id_limit>(tree);
+  const auto size = static_cast<std::size_t>(doubles.size());
+  if (size % (2 * tree.dims) != 0 || size / (2 * tree.dims) < limit) {
+    throw std::invalid_argument(
+        "pickle of a halfspace.BVH: expected a box of float64 for each id");
+  }
   Change(tree, [&] {
     tree.is_exact = true;
-    tree.doubles.assign(doubles.data(), doubles.data() + doubles.size());
+    tree.doubles.assign(doubles.data(), doubles.data() + size);
   });
 }
 

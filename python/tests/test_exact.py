@@ -38,6 +38,13 @@ def test_pairs(rng, dims, boxes):
     assert (as_matrix(found, expected.shape) == expected).all()
 
 
+def test_pickle_with_other_doubles(boxes):
+    make, (cls, blob, doubles) = hs.BVH(boxes, exact=True).__reduce_ex__(5)[:2]
+    for size in (0, len(doubles) - 1, len(doubles) - boxes.shape[1], len(doubles) + 1):
+        with pytest.raises(ValueError, match="^pickle of a halfspace.BVH: expected .*float64"):
+            make(cls, blob, np.resize(doubles, size))
+
+
 @pytest.mark.parametrize("exact", [True, False])
 def test_changes(rng, dims, boxes, exact):
     if not exact:
