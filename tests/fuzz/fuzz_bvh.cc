@@ -24,7 +24,9 @@ void Fuzz(Random& random) {
                           random);
     if (::testing::Test::HasFailure()) return;
   }
-  const AlignedCopy altered(history.bvh().Blob());
+  const auto bvh = history.bvh().Copy();
+  if (random() % 4 == 0) bvh->Reserve(4097);  // so that its leaves have codes
+  const AlignedCopy altered(bvh->Blob());
   const auto bytes = altered.bytes();
   for (std::size_t i = random() % 20; i-- > 0 && !bytes.empty();) {
     const std::size_t how = random() % 4;

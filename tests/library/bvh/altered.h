@@ -111,7 +111,7 @@ inline void AskAltered(const AnyBvh& world, const AnyBvh& good,
   }
   Ids present;
   for (const std::uint32_t id : world.ids()) {
-    if (world.Has(id)) present.push_back(id);
+    if (present.size() < 100 && world.Has(id)) present.push_back(id);
   }
   Ids ids(100);
   Ids near(3);
@@ -150,7 +150,7 @@ inline void AskAltered(const AnyBvh& world, const AnyBvh& good,
     (void)good.FindPairs(&world, nullptr, pairs,
                          {.margin = 1, .target = target});
     // Few ids, and so many that the set is in allocated memory.
-    for (const Ids& some : {Ids(3), Ids(100), present}) {
+    for (const Ids& some : {Ids(3), present}) {
       const Span<const std::uint32_t> set = some;
       try {
         (void)world.FindPairs(nullptr, &set, {},
@@ -162,14 +162,13 @@ inline void AskAltered(const AnyBvh& world, const AnyBvh& good,
       }
     }
   }
-  if (layout.has_max) {
+  if (layout.has_max && random() % 4 == 0) {
     detail::PairEventsCore events{MemoryResource()};
     events.Update(PairSourcesOf(good), {});
     const Ids few(present.data(), present.data() + present.size() / 8);
     const Span<const std::uint32_t> changed = few;
     events.Update(PairSourcesOf(world, nullptr, &changed), {});
     events.Update(PairSourcesOf(world), {});
-    events.Update(PairSourcesOf(world, nullptr, &changed), {});
   }
   for (const std::uint32_t id : present) (void)world.Get(id);
   (void)world.Bounds();

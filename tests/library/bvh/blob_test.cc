@@ -236,9 +236,11 @@ TEST_P(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
   const auto with_own_ids = bvh->Copy();
   with_own_ids->InsertAs(Ids{730, 2000, 6000},
                          BoundList(std::vector<Planes>(3, everything)));
+  const auto with_codes = bvh->Copy();
+  with_codes->Reserve(4097);
   std::vector<std::vector<std::byte>> blobs;
-  for (const AnyBvh* world :
-       {fresh.get(), bvh.get(), with_masks.get(), with_own_ids.get()}) {
+  for (const AnyBvh* world : {fresh.get(), bvh.get(), with_masks.get(),
+                              with_own_ids.get(), with_codes.get()}) {
     blobs.push_back(BytesOf(*world));
     blobs.push_back(AsFormat4(world->Blob()));
   }
