@@ -135,7 +135,7 @@ inline void AskAltered(const AnyBvh& world, const AnyBvh& good,
                          0);
     world.CountEach({shapes.data(), 2}, offsets, {.target = target});
     (void)world.Nearest(origin, near, distances, kInf, {.target = target});
-    Ids most(world.size());
+    Ids most(world.ids().size());
     (void)world.Nearest(origin, most, {}, kInf, {.target = target});
     world.NearestEach({&origin, 1}, 3, near, distances, 50, {.target = target});
     world.ForEachNearest(Corner{}, kInf, on_hit, {.target = target});
