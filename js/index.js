@@ -336,7 +336,8 @@ export class BVH {
       let found = size;
       while (found > 0 && (u32[results / 4 + found - 1] === NO_ID ||
         f32[distances / 4 + found - 1] > last)) --found;
-      if (found < size || !allTies) return idsAt(results, found);
+      // Altered bytes can have more boxes than their header says.
+      if (found < size || !allTies || size > this.size) return idsAt(results, found);
     }
   }
 

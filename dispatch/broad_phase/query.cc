@@ -349,8 +349,7 @@ bool BroadPhaseCore::Validate() const {
   for (const std::uint32_t id : tree.ids()) {
     float of_tree[kMostBodyPlanes];
     float of_body[kMostBodyPlanes];
-    // Altered bytes of Load() may have any id in an empty slot.
-    if (!tree.Has(id)) continue;
+    if (id == kNoId) continue;
     tree.Get(id, Span<float>(of_tree, state_->planes()));
     if (!state_->records.Read(id, of_body) ||
         std::memcmp(of_tree, of_body, state_->planes() * sizeof(float)) != 0) {

@@ -130,11 +130,7 @@ void BroadPhaseState::Adopt(BvhTree its_tree) {
   tree = std::move(its_tree);
   const Span<const std::uint32_t> ids = tree.ids();
   for (std::size_t slot = 0; slot < ids.size(); ++slot) {
-    // Altered bytes may have any id in an empty slot.
-    if (!IsPresent(tree.levels(), slot) || !tree.Has(ids[slot]) ||
-        tree.levels().slots[ids[slot]] != slot) {
-      continue;
-    }
+    if (ids[slot] == kNoId) continue;
     float values[kMostBodyPlanes];
     tree.GetAt(slot, Span<float>(values, planes()));
     records.Reserve({&ids[slot], 1});

@@ -245,9 +245,13 @@ const char* BvhState::FindWrongIds() const {
   std::fill_n(seen, words, 0);
   std::size_t size = 0;
   for (std::size_t s = 0; s < header.slots; ++s) {
-    if (!IsPresent(levels_, s)) continue;
-    ++size;
     const std::uint32_t id = levels_.ids[s];
+    if (!IsPresent(levels_, s)) {
+      // With its slot by id, it would count as the id of an object.
+      if (id != kNoId) return "no ids in empty slots";
+      continue;
+    }
+    ++size;
     if (id >= header.ids) return "ids below their number";
     constexpr const char* kOnce = "each id once";
     if (header.id_room > 0) {

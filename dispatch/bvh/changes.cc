@@ -203,8 +203,7 @@ void BvhState::Reallocate(const char* call, const BvhRoom& room) {
     }
     std::memcpy(grown.levels_.ids, levels_.ids,
                 BlocksOf(to.slots) * kBlockObjects * sizeof(std::uint32_t));
-    std::memcpy(grown.levels_.built, levels_.built,
-                GroupsOf(to.slots) * sizeof(BvhGroup));
+    std::copy_n(levels_.built, GroupsOf(to.slots), grown.levels_.built);
     const bool is_coded_now =
         levels_.codes == nullptr && grown.levels_.codes != nullptr;
     if (is_coded_now || grown.levels_.count > old_count) {
@@ -696,9 +695,8 @@ void BvhTree::SetMasks(Span<const std::uint32_t> masks) {
   if (tree.block_ == nullptr) return;
   tree.Prepare(kCall, {0, 0, true});
   for (std::size_t s = 0; s < tree.header().slots; ++s) {
-    const bool is_present = IsPresent(tree.levels_, s);
-    tree.levels_.level[0].masks[s] =
-        is_present ? masks[tree.levels_.ids[s]] : 0;
+    const std::uint32_t id = tree.levels_.ids[s];
+    tree.levels_.level[0].masks[s] = id != kNoId ? masks[id] : 0;
   }
   OrAllMasks(tree.levels_);
 }

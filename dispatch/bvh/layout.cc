@@ -33,26 +33,32 @@ class Parts {
  public:
   Parts(std::byte* begin, bool is_new) : begin_(begin), is_new_(is_new) {}
 
-  std::size_t bytes() const { return bytes_; }
+  // The greatest size if there are more. No block and no blob has that size.
+  std::size_t bytes() const {
+    constexpr std::uint64_t kMost = std::numeric_limits<std::size_t>::max();
+    return static_cast<std::size_t>(std::min(bytes_, kMost));
+  }
 
   template <typename T>
-  T* Take(std::size_t count) {
-    auto* part =
-        begin_ == nullptr ? nullptr : reinterpret_cast<T*>(begin_ + bytes_);
+  T* Take(std::uint64_t count) {
+    auto* part = begin_ == nullptr ? nullptr : reinterpret_cast<T*>(End());
     bytes_ += count * sizeof(T);
-    Skip((kCacheLine - bytes_ % kCacheLine) % kCacheLine);
+    const auto in_line = static_cast<std::size_t>(bytes_ % kCacheLine);
+    Skip((kCacheLine - in_line) % kCacheLine);
     return part;
   }
 
   void Skip(std::size_t bytes) {
-    if (begin_ != nullptr && is_new_) std::memset(begin_ + bytes_, 0, bytes);
+    if (begin_ != nullptr && is_new_) std::memset(End(), 0, bytes);
     bytes_ += bytes;
   }
 
  private:
+  std::byte* End() const { return begin_ + static_cast<std::size_t>(bytes_); }
+
   std::byte* begin_;
   bool is_new_;
-  std::size_t bytes_ = 0;
+  std::uint64_t bytes_ = 0;  // those of an altered header can be any number
 };
 
 // Elements are read in any order. The values of a record are in one cache line
@@ -181,7 +187,7 @@ std::size_t Place(const BvhType& type, const BvhRoom& room, std::byte* begin,
   do {
     BvhLevel& level = levels.level[levels.count++];
     const std::size_t blocks = BlocksOf(size);
-    const std::size_t values = blocks * planes * kBlockObjects;
+    const std::uint64_t values = std::uint64_t{blocks} * planes * kBlockObjects;
     // With fewer objects, codes save less time than it takes to encode the
     // query: a query of 1000 boxes takes 34 ns by floats and 38 ns by codes.
     const bool is_coded =
@@ -380,8 +386,7 @@ Rounded::Rounded(const PlaneLayout& layout, const MemoryResource& memory,
                                 [](const void* at) { kernels::Prefetch(at); });
       }
       const std::size_t i = element_of(s);
-      // Of an empty slot: kNoId, or in an altered blob any id.
-      if (i >= objects.size) continue;
+      if (i == kNoId) continue;
       for (std::size_t p = 0; p < planes; ++p) {
         const dispatch::ExactSum value = {
             objects.doubles(p)[i * objects.stride], 0.0};

@@ -424,11 +424,12 @@ class Difference {
 };
 
 // One more than the greatest id of the pairs, and at least `least`. Objects of
-// an altered blob have any ids.
+// an altered blob have any ids. The limit of kNoId is kNoId, which fits 32
+// bits, and for which an IdSet has room.
 std::size_t LimitOf(Span<const IdPair> pairs, std::size_t least) {
   std::uint32_t greatest = 0;
   for (const IdPair& pair : pairs) greatest = std::max(greatest, pair.b);
-  return std::max(least, std::size_t{greatest} + 1);
+  return std::max(least, std::size_t{std::max(greatest + 1, greatest)});
 }
 
 // A set of ids below a limit. Other ids are left out. It has a byte for each
@@ -439,7 +440,7 @@ class IdSet {
         std::size_t limit)
       : memory_(memory, limit + 1),
         has_(reinterpret_cast<std::uint8_t*>(memory_.data())) {
-    std::memset(has_, 0, limit);
+    std::memset(has_, 0, limit + 1);
     for (const std::uint32_t id : ids) {
       if (id < limit) has_[id] = 1;
     }

@@ -1,5 +1,6 @@
 #include <cstdint>
 #include <cstdlib>
+#include <limits>
 #include <new>
 
 #include "dispatch/errors/error.h"
@@ -41,6 +42,10 @@ void* AllocateFrom(const MemoryResource& memory, std::size_t bytes) {
 }  // namespace
 
 void* AllocateBlock(const MemoryResource& memory, std::size_t bytes) {
+  // Operator new may round up to the alignment, which would be 0.
+  if (bytes > std::numeric_limits<std::size_t>::max() - kHugePage) {
+    ThrowBadAlloc();
+  }
   if (memory.allocate != nullptr) return AllocateFrom(memory, bytes);
   void* block = ::operator new(bytes, AlignmentOf(bytes));
 #if defined(__linux__) && defined(MADV_HUGEPAGE)

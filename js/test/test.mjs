@@ -223,6 +223,39 @@ test('stored BVHs of C++', () => {
   }
 });
 
+// Writes the checksum that the bytes should have (ChecksumOf of dispatch/bvh/blob.cc).
+function withChecksum(bytes) {
+  const words = new BigUint64Array(bytes.buffer);
+  const mix = (sum, word) => {
+    const product = BigInt.asUintN(64, (sum ^ word) * 0x9E3779B97F4A7C15n);
+    return product ^ (product >> 32n);
+  };
+  words[3] = 0n;
+  const sums = Array(8).fill(0n);
+  words.forEach((word, i) => { sums[i % 8] = mix(sums[i % 8], word); });
+  words[3] = sums.reduce(mix, 0n);
+  return bytes;
+}
+
+test('bytes that were altered with their checksum', () => {
+  const one = new BVH([0, 0, 1, 1]).toBytes();
+  assert.equal(BVH.fromBytes(withChecksum(one.slice())).size, 1);
+  // The bytes for so many boxes are 5056 more than 2 ** 32.
+  const large = new Uint8Array(5056);
+  large.set(one);
+  new Uint32Array(large.buffer).set([large.length], 4);
+  new Uint32Array(large.buffer).set([151238913], 8);
+  assert.throws(() => BVH.fromBytes(withChecksum(large)), { name: 'HalfspaceError' });
+  // There are seven boxes, and the header has one.
+  const seven = new BVH(Array(8).fill([0, 0, 1, 1]).flat());
+  seven.erase([7]);
+  const altered = seven.toBytes();
+  new Uint32Array(altered.buffer).set([1], 11);
+  const tree = BVH.fromBytes(withChecksum(altered));
+  assert.ok(tree.nearest([0, 0], 1, Infinity, true).length > 0);
+  assert.throws(() => tree.insert([0, 0, 1, 1]), { name: 'HalfspaceError' });
+});
+
 const flat = new BVH([0, 0, 1, 1]);
 const solid = new BVH([0, 0, 0, 1, 1, 1], { dimensions: 3 });
 const gone = new BVH([]);

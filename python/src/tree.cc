@@ -477,6 +477,13 @@ std::unique_ptr<Tree> FromBlob(
     throw std::invalid_argument(
         "the blob was altered: its checksum does not match its bytes");
   }
+  std::size_t limit = 0;
+  Check(hs_bvh_id_limit(bvh, &limit));
+  const std::size_t values = 2 * tree->dims;
+  if (is_exact && (tree->doubles.size() % values != 0 ||
+                   tree->doubles.size() / values < limit)) {
+    throw std::invalid_argument("expected a box of float64 for each id");
+  }
   return tree;
 }
 

@@ -159,3 +159,10 @@ def test_chunks_that_are_none(boxes, tree, tmp_path):
     with pytest.raises(ValueError, match="memory: expected an integer from 1"):
         hs.BVH.from_chunks(path, [boxes], memory=0)
     assert bytes(hs.BVH.map(path).blob()) == bytes(tree.blob())
+
+
+def test_pickle_with_other_doubles(boxes):
+    make, (cls, blob, doubles) = hs.BVH(boxes, exact=True).__reduce_ex__(5)[:2]
+    for size in (0, len(doubles) - 1, len(doubles) - boxes.shape[1], len(doubles) + 1):
+        with pytest.raises(ValueError, match="^pickle of a halfspace.BVH: expected .*float64"):
+            make(cls, blob, np.resize(doubles, size))

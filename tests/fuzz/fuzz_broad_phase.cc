@@ -2,10 +2,12 @@
 // were altered.
 #include <cstddef>
 #include <cstdint>
-#include <vector>
+#include <cstring>
 
 #include "tests/fuzz/fuzz.h"
 #include "tests/library/broad_phase/history.h"
+#include "tests/library/bvh/aligned_copy.h"
+#include "tests/library/bvh/altered.h"
 
 namespace halfspace::testing {
 
@@ -27,11 +29,19 @@ void Fuzz(Random& random) {
     history.ExpectIsModel(random() % 256);
     if (::testing::Test::HasFailure()) return;
   }
-  std::vector<std::byte> saved = BytesOf(history.bodies());
-  for (std::size_t n = random() % 4; n-- > 0;) {
-    saved[random() % saved.size()] = static_cast<std::byte>(random());
+  const AlignedCopy saved(BytesOf(history.bodies()));
+  const auto bytes = saved.bytes();
+  // After a header, which has its size, is a blob.
+  std::uint64_t tree_bytes = 0;
+  std::memcpy(&tree_bytes, &bytes[24], sizeof(tree_bytes));
+  for (std::size_t n = random() % 8; n-- > 0;) {
+    if (random() % 2 == 0) {
+      AlterPart(layout, bytes.subspan(64, tree_bytes), random);
+    } else {
+      bytes[random() % bytes.size()] = static_cast<std::byte>(random());
+    }
   }
-  LoadAltered(layout, saved);
+  LoadAltered(layout, bytes, random);
 }
 
 }  // namespace halfspace::testing

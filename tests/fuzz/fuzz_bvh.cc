@@ -24,11 +24,18 @@ void Fuzz(Random& random) {
                           random);
     if (::testing::Test::HasFailure()) return;
   }
-  const AlignedCopy altered(history.bvh().Blob());
+  const auto bvh = history.bvh().Copy();
+  if (random() % 4 == 0) bvh->Reserve(4097);  // so that its leaves have codes
+  const AlignedCopy altered(bvh->Blob());
   const auto bytes = altered.bytes();
   for (std::size_t i = random() % 20; i-- > 0 && !bytes.empty();) {
-    const std::size_t end = random() % 2 == 0 ? 64 : bytes.size();
-    bytes[random() % end] = static_cast<std::byte>(random());
+    const std::size_t how = random() % 4;
+    if (how < 2) {
+      AlterPart(layout, bytes, random);
+    } else {
+      const std::size_t end = how == 2 ? 64 : bytes.size();
+      bytes[random() % end] = static_cast<std::byte>(random());
+    }
   }
   (void)UseAltered(layout, bytes, {}, random);
 }

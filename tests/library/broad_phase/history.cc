@@ -74,7 +74,37 @@ PairList BodyModel::Pairs() const {
   return pairs;
 }
 
-bool LoadAltered(const Layout& layout, const std::vector<std::byte>& bytes) {
+namespace {
+
+void AskAltered(const AnyBodies& bodies, const Layout& layout,
+                const Ids& its_ids, Random& random) {
+  const Searches world(layout, bodies);
+  Ids ids(100);
+  const auto kind =
+      static_cast<Shape::Kind>(random() % (Shape::kHalfSpaces + 1));
+  const std::vector<Shape> shapes = SomeShapes(layout, kind, 2, false, random);
+  (void)world.Find(shapes[0], ids, {.mask = 3}, 0);
+  (void)world.Count(shapes[0], {});
+  (void)world.Any(shapes[0], {});
+  std::vector<std::size_t> offsets(3);
+  (void)world.FindEach(shapes, ids, offsets, {}, 0);
+  (void)world.Nearest({.is_point = true}, ids, {}, kInf, {.mask = 2});
+  world.Cast(SomeMotion(layout, Motion::kBall, false, random),
+             [](std::uint32_t, float, const Planes&) { return Limit{kInf}; },
+             {});
+  const Span<const std::uint32_t> set = its_ids;
+  (void)world.FindPairs(nullptr, &set, {}, {.mask = 3});
+  (void)world.FindPairs(nullptr, &set, {}, {.wanted = its_ids, .margin = 1});
+  for (const std::uint32_t id : its_ids) {
+    (void)BoundIn(bodies, layout, id);
+    (void)bodies.MasksOf(id);
+  }
+}
+
+}  // namespace
+
+bool LoadAltered(const Layout& layout, Span<const std::byte> bytes,
+                 Random& random) {
   AnyBodies bodies(TypeOf(layout), {});
   bodies.Insert(Ids{8}, ValuesOf(layout, {EmptyOf(layout)}), {});
   try {
@@ -83,17 +113,47 @@ bool LoadAltered(const Layout& layout, const std::vector<std::byte>& bytes) {
     EXPECT_TRUE(bodies.Has(8) && bodies.size() == 1);
     return false;
   }
+  const Searches world(layout, bodies);
   const Shape all = ShapeOf(AllPlanes(layout, kMost));
   Ids ids(bodies.size());
-  ids.resize(
-      std::min(Searches(layout, bodies).Find(all, ids, {}, 0), ids.size()));
+  ids.resize(std::min(world.Find(all, ids, {}, 0), ids.size()));
   std::erase_if(ids, [&](std::uint32_t id) { return !bodies.Has(id); });
+  const auto values_of = [&](std::size_t count, const Planes& bound) {
+    return ValuesOf(layout, std::vector<Planes>(count, bound));
+  };
   (void)bodies.Validate();
-  bodies.Move(ids, ValuesOf(layout, std::vector<Planes>(ids.size(),
-                                                        EverythingOf(layout))));
+  AskAltered(bodies, layout, ids, random);
+  // In a query, so that some bodies are late.
+  world.ForEach(all,
+                [&](Span<const std::uint32_t>) {
+                  bodies.Move(ids, values_of(ids.size(), EverythingOf(layout)));
+                  AskAltered(bodies, layout, ids, random);
+                  return Visit::kStop;
+                },
+                {});
   bodies.UpdatePairs(PairKernelsOf(layout), {});
-  bodies.Rebuild({});
-  bodies.Erase(ids);
+  const Ids few(ids.data(), ids.data() + ids.size() / 8);
+  bodies.SetMasks(few, std::vector<BodyMasks>(few.size(), {3, 1}));
+  bodies.Move(few, values_of(few.size(), Planes{}));
+  bodies.UpdatePairs(PairKernelsOf(layout), {});
+  bodies.Erase(few);
+  Ids added;
+  for (std::uint32_t id = 0; added.size() < 100; ++id) {
+    if (!bodies.Has(id)) added.push_back(id);
+  }
+  bodies.Insert(added, values_of(added.size(), Planes{}), {});
+  bodies.Update({});
+  AnyBodies copy(bodies);
+  bodies.Load(BytesOf(copy));
+  for (AnyBodies* const one : {&bodies, &copy}) {
+    AskAltered(*one, layout, added, random);
+    one->UpdatePairs(PairKernelsOf(layout), {});
+    one->Rebuild({});
+    (void)one->Validate();
+    (void)one->Statistics();
+    std::erase_if(ids, [&](std::uint32_t id) { return !one->Has(id); });
+    one->Erase(ids);
+  }
   return true;
 }
 

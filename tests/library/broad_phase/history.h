@@ -80,7 +80,8 @@ inline bool KeepsSome(void* /*context*/, std::uint32_t a, std::uint32_t b,
 
 // Loads bytes that may be wrong. They are refused, of which nothing changes, or
 // do no harm to the calls of the broad phase. Returns whether they were taken.
-bool LoadAltered(const Layout& layout, const std::vector<std::byte>& bytes);
+bool LoadAltered(const Layout& layout, Span<const std::byte> bytes,
+                 Random& random);
 
 // Answers of all kinds, chosen by a seed, and what is stored of each body.
 void ExpectAnswers(const AnyBodies& bodies, const BodyModel& model,

@@ -236,9 +236,11 @@ TEST_P(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
   const auto with_own_ids = bvh->Copy();
   with_own_ids->InsertAs(Ids{730, 2000, 6000},
                          BoundList(std::vector<Planes>(3, everything)));
+  const auto with_codes = bvh->Copy();
+  with_codes->Reserve(4097);
   std::vector<std::vector<std::byte>> blobs;
-  for (const AnyBvh* world :
-       {fresh.get(), bvh.get(), with_masks.get(), with_own_ids.get()}) {
+  for (const AnyBvh* world : {fresh.get(), bvh.get(), with_masks.get(),
+                              with_own_ids.get(), with_codes.get()}) {
     blobs.push_back(BytesOf(*world));
     blobs.push_back(AsFormat4(world->Blob()));
   }
@@ -255,9 +257,11 @@ TEST_P(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
     const auto altered =
         memory.Get<std::byte>(blob.size(), GuardedSide::kAfter);
     std::copy(blob.begin(), blob.end(), altered.begin());
-    // Numbers of the header, any bytes of it, any bytes.
+    // Numbers of the header, any bytes of it, any bytes, and parts.
     for (std::size_t c = 1 + random() % (round % 2 == 0 ? 2 : 40); c-- > 0;) {
-      if (round % 4 == 0) {
+      if (round % 8 > 5) {
+        AlterPart(layout, altered, random);
+      } else if (round % 4 == 0) {
         const auto value = static_cast<std::uint32_t>(random() % 1100);
         std::memcpy(&altered[32 + random() % 8 * 4], &value, sizeof(value));
       } else {
@@ -269,6 +273,21 @@ TEST_P(BvhBlobTest, ACorruptOneIsRefusedOrHarmless) {
   }
   EXPECT_GT(refused, 0u);
   EXPECT_LT(refused, rounds * (kAlteredChanges + 1));
+}
+
+// Has() would find an object there, and Erase() would count one too few. Then
+// insertions would find room behind the end of the memory.
+TEST_P(BvhBlobTest, AnIdInAnEmptySlotIsSeen) {
+  const auto bvh = MakeBvh(GetParam(), Spheres(GetParam(), 2).Some(100));
+  bvh->Erase(7);
+  const AlignedCopy blob(bvh->Blob());
+  const auto in_place = LoadBvh(GetParam(), blob.bytes(), true);
+  const detail::BvhLevels& levels = in_place->levels();
+  std::uint32_t slot = 0;
+  while (levels.ids[slot] != detail::kNoId) ++slot;
+  levels.ids[slot] = 7;
+  levels.slots[7] = slot;
+  EXPECT_REFUSED(in_place->Erase(7), "Erase", "blob", "empty slots", "altered");
 }
 
 // The bytes of a world are those that its format has had from its beginning.
