@@ -250,8 +250,8 @@ class PairWalker
     return join_.set == nullptr ? ~uint64_t{0} : join_.set->SlotsOf(block);
   }
 
-  HWY_NOINLINE uint64_t TestObjects(size_t query, size_t block) const {
-    return this->query_.Test(query, this->levels_.level[0], block);
+  uint64_t TestObjects(size_t query, size_t block) const {
+    return this->query_.TestApart(query, this->levels_.level[0], block);
   }
 
   // Finds the pairs of some objects of a block in a small world, one by one.
@@ -265,18 +265,16 @@ class PairWalker
     for (; members != 0; members &= members - 1) {
       const size_t i = hwy::Num0BitsBelowLS1Bit_Nonzero64(members);
       const uint64_t member = uint64_t{1} << i;
-      float values[kPlanes];
       for (size_t p = 0; p < kPlanes; ++p) {
-        values[p] = objects.Plane(own, p)[i];
+        bounds_[count_][p] = objects.Plane(own, p)[i];
       }
       // The nodes of two leaves take as long as the leaves.
       uint64_t left = leaves <= 2
                           ? LowBits(leaves)
-                          : TestFloats<kAxes, true>(levels.level[1], 0, values);
+                          : this->query_.TestApart(count_, levels.level[1], 0);
       for (; left != 0; left &= left - 1) {
         const size_t block = hwy::Num0BitsBelowLS1Bit_Nonzero64(left);
-        uint64_t kept = Objects(levels, block) &
-                        TestFloats<kAxes, true>(objects, block, values);
+        uint64_t kept = Objects(levels, block) & TestObjects(count_, block);
         if (block <= own) {
           const uint64_t before = block < own ? ~uint64_t{0} : member - 1;
           kept &= ~(MembersOf(block) & before);
