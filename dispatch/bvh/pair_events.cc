@@ -280,16 +280,21 @@ IdPair FindTwice(Span<const IdPair> pairs, const MemoryResource& memory) {
 class Difference {
  public:
   Difference(Span<const IdPair> before, Span<const IdPair> after,
-             PairList& ended, PairList& began)
-      : before_(before), after_(after), ended_(ended), began_(began) {}
+             const MemoryResource& of_call)
+      : before_(before), after_(after), ended_(of_call), began_(of_call) {}
 
-  // Appends the pairs of only one list, sorted.
-  void Find() {
+  // Finds the pairs of only one list, sorted. If this throws, nothing has
+  // changed.
+  void Find(PairList& ended, PairList& began) {
     MatchNear();
     MatchFar();
     Sort(ended_);
     Sort(began_);
     MatchSorted();
+    PairList its_ended(ended_, ended.memory());
+    PairList its_began(began_, began.memory());
+    swap(ended, its_ended);
+    swap(began, its_began);
   }
 
  private:
@@ -419,8 +424,8 @@ class Difference {
 
   const Span<const IdPair> before_;
   const Span<const IdPair> after_;
-  PairList& ended_;
-  PairList& began_;
+  PairList ended_;
+  PairList began_;
 };
 
 // One more than the greatest id of the pairs, and at least `least`. Objects of
@@ -552,15 +557,10 @@ void PairEventsCore::UpdateAll(const PairSources& sources,
   PairList now(memory());
   Search(sources, options, filter).Run(pairs_.size(), now);
   CallMemory of_call(memory());
-  PairList began(of_call.resource());
-  PairList ended(of_call.resource());
-  Difference(pairs_.span(), now.span(), ended, began).Find();
-  PairList its_began(began, memory());
-  PairList its_ended(ended, memory());
+  Difference(pairs_.span(), now.span(), of_call.resource())
+      .Find(ended_, began_);
   swap(pairs_, now);
   id_limit_ = LimitOf(pairs_.span(), sources.a->id_limit());
-  swap(began_, its_began);
-  swap(ended_, its_ended);
 }
 
 void PairEventsCore::UpdateSome(const PairSources& sources,
@@ -586,17 +586,12 @@ void PairEventsCore::UpdateSome(const PairSources& sources,
   const IdSet changed(of_call.resource(), ids, id_limit_);
   Removal removal(pairs_, of_call.resource());
   removal.Run(changed, found.size());
-  PairList began(of_call.resource());
-  PairList ended(of_call.resource());
-  Difference(removal.removed().span(), found.span(), ended, began).Find();
-  PairList its_began(began, memory());
-  PairList its_ended(ended, memory());
   pairs_.Reserve(removal.size() + found.size());
+  Difference(removal.removed().span(), found.span(), of_call.resource())
+      .Find(ended_, began_);
   removal.Keep();
   pairs_.Append(found.span());
   id_limit_ = LimitOf(found.span(), std::max(id_limit_, tree.id_limit()));
-  swap(began_, its_began);
-  swap(ended_, its_ended);
 }
 
 void PairEventsCore::Clear() { *this = PairEventsCore(memory()); }

@@ -167,10 +167,17 @@ TEST(BvhKnownTest, FunctionsSayWhetherACallGoesOn) {
   });
 }
 
-// Sets in a world of more blocks than the sets have room for: near each other,
-// far apart, and at distances that are powers of two.
-TEST(BvhPairsTest, OfSetsAmongManyAreThoseOfAllPairsThatTouchTheSet) {
-  const std::vector<Aabb3> world = Spread(1.0f).Some(64 * 1024);
+// Sets in worlds of a few leaves, and in one of more blocks than the sets have
+// room for: near each other, far apart, and at distances that are powers of
+// two.
+class BvhSetTest : public ::testing::TestWithParam<std::size_t> {};
+INSTANTIATE_TEST_SUITE_P(Among, BvhSetTest,
+                         ::testing::Values(64, 128, 129, 64 * 1024));
+
+TEST_P(BvhSetTest, HasThePairsOfAllThatTouchTheSet) {
+  const bool is_large = GetParam() > 129;
+  const std::vector<Aabb3> world =
+      Spread(is_large ? 1.0f : 10.0f).Some(GetParam());
   AabbBvh3 bvh(world, {.quality = BuildQuality::kFast});
   std::vector<IdPair> all(Pairs(bvh, Span<IdPair>()));
   ASSERT_EQ(Pairs(bvh, all), all.size());
