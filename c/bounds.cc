@@ -151,12 +151,7 @@ using halfspace::c::SourceOf;
 using halfspace::c::Values;
 namespace detail = halfspace::detail;
 
-hs_status hs_bound_options_default(hs_bound_options* options,
-                                   size_t struct_size) {
-  return halfspace::c::WriteDefaults(
-      "hs_bound_options_default", &halfspace::c::kBoundDefaults,
-      sizeof(hs_bound_options), options, struct_size);
-}
+HALFSPACE_DEFAULTS_OF(hs_bound_options, kBoundDefaults)
 
 hs_status hs_bound_boxes(hs_kind kind, const hs_columns* boxes,
                          const hs_bound_options* options, float* bounds,

@@ -85,19 +85,8 @@ hs_broad_phase::hs_broad_phase(const detail::PlaneLayout& its_layout,
       memory(options.memory),
       core(halfspace::c::TypeOf(its_layout), options) {}
 
-hs_status hs_broad_phase_config_default(hs_broad_phase_config* config,
-                                        size_t struct_size) {
-  return halfspace::c::WriteDefaults(
-      "hs_broad_phase_config_default", &halfspace::c::kBroadPhaseDefaults,
-      sizeof(hs_broad_phase_config), config, struct_size);
-}
-
-hs_status hs_update_options_default(hs_update_options* options,
-                                    size_t struct_size) {
-  return halfspace::c::WriteDefaults(
-      "hs_update_options_default", &halfspace::c::kUpdateDefaults,
-      sizeof(hs_update_options), options, struct_size);
-}
+HALFSPACE_DEFAULTS_OF(hs_broad_phase_config, kBroadPhaseDefaults)
+HALFSPACE_DEFAULTS_OF(hs_update_options, kUpdateDefaults)
 
 hs_status hs_broad_phase_create(const hs_broad_phase_config* config,
                                 hs_broad_phase** bodies) {

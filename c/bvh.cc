@@ -117,11 +117,7 @@ hs_bvh::hs_bvh(const PlaneLayout& its_layout,
       queries(Values::OfQueries(layout)),
       tree(halfspace::c::TypeOf(layout), memory) {}
 
-hs_status hs_bvh_config_default(hs_bvh_config* config, size_t struct_size) {
-  return halfspace::c::WriteDefaults(
-      "hs_bvh_config_default", &halfspace::c::kBvhDefaults,
-      sizeof(hs_bvh_config), config, struct_size);
-}
+HALFSPACE_DEFAULTS_OF(hs_bvh_config, kBvhDefaults)
 
 hs_status hs_bvh_create(const hs_bvh_config* config, const hs_columns* objects,
                         hs_bvh** bvh) {

@@ -128,6 +128,13 @@ void ReadStruct(const Call& call, const char* argument, const void* given,
 hs_status WriteDefaults(const char* name, const void* defaults,
                         std::size_t size, void* options,
                         std::size_t struct_size);
+// The function of the C API that writes the defaults of a struct.
+#define HALFSPACE_DEFAULTS_OF(Type, defaults)                                 \
+  hs_status Type##_default(Type* to, size_t struct_size) {                    \
+    return halfspace::c::WriteDefaults(#Type "_default",                      \
+                                       &halfspace::c::defaults, sizeof(Type), \
+                                       to, struct_size);                      \
+  }
 
 template <typename Options>
 Options ReadOptions(const Call& call, const char* argument,

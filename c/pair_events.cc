@@ -51,12 +51,7 @@ void Update(const Call& call, hs_pair_events* events, const hs_bvh* bvh,
 }  // namespace
 }  // namespace halfspace::c
 
-hs_status hs_pair_event_options_default(hs_pair_event_options* options,
-                                        size_t struct_size) {
-  return halfspace::c::WriteDefaults(
-      "hs_pair_event_options_default", &halfspace::c::kPairEventDefaults,
-      sizeof(hs_pair_event_options), options, struct_size);
-}
+HALFSPACE_DEFAULTS_OF(hs_pair_event_options, kPairEventDefaults)
 
 hs_status hs_pair_events_create(const hs_allocator* allocator,
                                 hs_pair_events** events) {

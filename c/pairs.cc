@@ -141,12 +141,7 @@ using halfspace::c::CallForPairs;
 using halfspace::c::Get;
 using halfspace::c::WritePairs;
 
-hs_status hs_pair_options_default(hs_pair_options* options,
-                                  size_t struct_size) {
-  return halfspace::c::WriteDefaults(
-      "hs_pair_options_default", &halfspace::c::kPairDefaults,
-      sizeof(hs_pair_options), options, struct_size);
-}
+HALFSPACE_DEFAULTS_OF(hs_pair_options, kPairDefaults)
 
 // The searches that BVHs and broad phases have in common.
 #define HALFSPACE_PAIRS_OF(Type)                                               \

@@ -686,12 +686,7 @@ using halfspace::c::NearestToPoints;
 using halfspace::c::Probe;
 using halfspace::c::Query;
 
-hs_status hs_query_options_default(hs_query_options* options,
-                                   size_t struct_size) {
-  return halfspace::c::WriteDefaults(
-      "hs_query_options_default", &halfspace::c::kQueryDefaults,
-      sizeof(hs_query_options), options, struct_size);
-}
+HALFSPACE_DEFAULTS_OF(hs_query_options, kQueryDefaults)
 
 // The searches that BVHs and broad phases have in common. `in` is one of them.
 #define HALFSPACE_SEARCHES(Type)                                               \

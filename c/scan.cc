@@ -143,18 +143,8 @@ using halfspace::c::Run;
 using halfspace::c::ScanCall;
 namespace detail = halfspace::detail;
 
-hs_status hs_scan_config_default(hs_scan_config* config, size_t struct_size) {
-  return halfspace::c::WriteDefaults(
-      "hs_scan_config_default", &halfspace::c::kDefaultConfig,
-      sizeof(hs_scan_config), config, struct_size);
-}
-
-hs_status hs_scan_options_default(hs_scan_options* options,
-                                  size_t struct_size) {
-  return halfspace::c::WriteDefaults(
-      "hs_scan_options_default", &halfspace::c::kDefaultOptions,
-      sizeof(hs_scan_options), options, struct_size);
-}
+HALFSPACE_DEFAULTS_OF(hs_scan_config, kDefaultConfig)
+HALFSPACE_DEFAULTS_OF(hs_scan_options, kDefaultOptions)
 
 hs_status hs_scan_create(const hs_scan_config* config,
                          const hs_columns* objects, hs_scan** scan) {

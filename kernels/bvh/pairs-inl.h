@@ -255,7 +255,7 @@ class PairWalker
   }
 
   // Finds the pairs of some objects of a block in a small world, one by one.
-  // Without lists of queries and leaves this takes half of the time of walks.
+  // Without lists of queries and leaves this takes 0.6 of the time of walks.
   HWY_NOINLINE bool JoinEach(size_t own, uint64_t members) {
     const detail::BvhLevels& levels = this->levels_;
     const detail::BvhLevel& objects = levels.level[0];
