@@ -173,8 +173,9 @@ Span<const typename Bound::Scalar> ValuesOfAll(Span<const Bound> bounds) {
 // Slots: an object has a slot in the order, and an erased object leaves an
 // empty one. There are never more than 2 * size() + 64 slots. Objects move
 // together when half of the slots are empty, or, if the block is full, when a
-// quarter are. Otherwise a full block grows by half. Rebuild() frees the memory
-// that is not needed.
+// quarter are. Otherwise a full block grows by half. So two worlds with the
+// same changes can have different orders, if one has more room. Rebuild() frees
+// the memory that is not needed.
 //
 // Changes are seen by every later call. No change may run at the same time as
 // another call on the same world. Changes run on the chosen target, except

@@ -64,6 +64,20 @@ TEST_P(BvhChangesTest, AnyHistoryIsThatOfTheModel) {
   }
 }
 
+// A few objects in little room, also after Clear() of a blob in place, which
+// has other room than its copy.
+TEST_P(BvhChangesTest, ASmallHistoryIsThatOfTheModel) {
+  Random random(9);
+  Choices choices(GetParam(), random);
+  BvhHistory history(GetParam(), choices, 0, 40, FpMode::kDefault);
+  for (std::size_t step = 0; step < 60; ++step) {
+    const std::size_t what = history.Change();
+    Random queries(step);
+    history.ExpectIsModel({}, queries);
+    if (HasFailure()) FAIL() << "step " << step << ", " << what;
+  }
+}
+
 class BvhBuildTest : public ::testing::TestWithParam<Layout> {
  protected:
   // Queries, by the leaves that they visit: a count of work.
