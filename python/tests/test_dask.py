@@ -20,6 +20,7 @@ import dask.sizeof  # noqa: E402
 
 import halfspace as hs  # noqa: E402
 import halfspace.dask as hd  # noqa: E402
+from halfspace.dask import _partitions, _run, _tasks  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -177,8 +178,8 @@ def test_divisions_are_rows(no_client):
 
 def test_nearest_has_no_rows_beyond_the_objects(no_client):
     boxes = uniform(np.random.default_rng(19), 200)
-    partition = hd._Partition(hs.BVH(boxes), np.arange(200))
-    found = hd._nearest_in(partition, (boxes, np.arange(200)), 3000, np.inf)
+    partition = _partitions.Partition(hs.BVH(boxes), np.arange(200))
+    found = _tasks.nearest_in(partition, (boxes, np.arange(200)), 3000, np.inf)
     assert {len(column) for column in found} == {40_000}
     tree = hd.BVH(boxes, 20)
     assert len(tree.nearest(boxes, k=3000).compute()) == 40_000
@@ -361,7 +362,7 @@ def test_a_task_needs_one_partition_or_one_chunk(no_client):
     for found in (tree, tree.query(chunks), tree.nearest(chunks), tree.pairs(),
                   hd.join(tree, tree), hd.scan(chunks, boxes[:9])):
         graph = dict(found.__dask_graph__())
-        ofs = ("-_distribute", "-_route", "-_route_border", "-_send_home", "-_send_on", "-_scan")
+        ofs = ("-distribute", "-route", "-route_border", "-send_home", "-send_on", "-scan")
         large |= {key for key in graph if key[0].endswith(ofs)}
         for key in graph:
             needs = dask.core.get_dependencies(graph, key) & large
@@ -419,19 +420,19 @@ def test_few_batches_wait(client, monkeypatch):
     boxes[0] = [-1, -1, -1, 2, 2, 2]  # a row with more pairs than a batch
     expected = pairs_of([hs.BVH(boxes).query(boxes)])
     submitted = []
-    add = hd._Runner.add
+    add = _run.Runner.add
 
     def count(run, function, *arguments):
         submitted.append(function)
         return add(run, function, *arguments)
 
-    monkeypatch.setattr(hd._Runner, "add", count)
+    monkeypatch.setattr(_run.Runner, "add", count)
     found = []
     for rows, ids in hd.BVH(boxes, partitions=1).query_batches(boxes, max_results=2000):
         found.append((rows, ids))
         assert len(rows) <= 2000 or (rows == rows[0]).all()
         # Two tasks for each thread run or wait.
-        assert submitted.count(hd._some_pairs) < len(found) + 2 * 2
+        assert submitted.count(_tasks.some_pairs) < len(found) + 2 * 2
     assert len(found) > 50 and max(len(rows) for rows, _ in found) == 3000
     np.testing.assert_array_equal(pairs_of(found), expected)
 
@@ -448,7 +449,7 @@ def test_many_small_results():
         add = list.append
         __next__ = list.pop
 
-    run = hd._Runner.__new__(hd._Runner)
+    run = _run.Runner.__new__(_run.Runner)
     run.threads = 1
     run.add = lambda *_: Future()
     real, distributed.as_completed = distributed.as_completed, Completed
@@ -493,13 +494,13 @@ def test_mapped_partitions(client):
     name = tree._name  # Partitions of other tests can still be there.
     sizes = client.run(lambda dask_worker: [dask.sizeof.sizeof(value)
                                             for key, value in dask_worker.data.items()
-                                            if isinstance(value, hd._Partition) and name in str(key)])
+                                            if isinstance(value, _partitions.Partition) and name in str(key)])
     sizes = sum(sizes.values(), [])
     assert len(sizes) == 3 and max(sizes) < 3000 * 8 < tree.nbytes.compute()
     assert dask.sizeof.sizeof(hs.BVH(boxes)) > 3000 * 24
     # A copy is in memory.
     copy = distributed.futures_of(tree)[0].result()
-    assert isinstance(copy, hd._Partition)
+    assert isinstance(copy, _partitions.Partition)
     assert dask.sizeof.sizeof(copy) > copy.tree.nbytes > 3000 * 8
     np.testing.assert_array_equal(pairs_of(tree.query_batches(boxes)),
                                   pairs_of([hs.BVH(boxes).query(boxes)]))
