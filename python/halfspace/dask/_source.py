@@ -6,7 +6,6 @@ import contextlib
 import dataclasses
 import functools
 import itertools
-import math
 import os
 import typing
 import uuid
@@ -90,23 +89,21 @@ def of_collection(rows, first: int):
 
 def source_of(source, name: str, widths: tuple[int, ...]) -> Source:
     """Returns the chunks of a collection."""
-    if isinstance(source, dask.array.Array):
-        width = _width(source.shape, widths, name, "the dask array")
-        if source.numblocks[1] > 1:
-            source = source.rechunk({1: -1})
-        is_known = not any(map(math.isnan, source.chunks[0]))
-        keys = [key for key, in source.__dask_keys__()]
-        return Source([source], keys, list(source.chunks[0]) if is_known else None, width)
-    if _are_all(source, Delayed):
-        return Source(list(source), [part.key for part in source], None, None)
     if isinstance(source, Lazy):
         raise TypeError(f"{name}: expected boxes, got a halfspace.dask.BVH")
-    if dask.is_dask_collection(source):  # a frame, or a delayed array
+    if _are_all(source, Delayed):
+        return Source(list(source), [part.key for part in source], None, None)
+    sizes: list = []
+    if dask.is_dask_collection(source):  # an array, a frame, or a delayed array
+        width = None
+        if isinstance(source, dask.array.Array):
+            width = _width(source.shape, widths, name, "the dask array")
+            source = source.rechunk({1: -1})
+            sizes = [] if np.isnan(source.chunks[0]).any() else list(source.chunks[0])
         keys = list(dask.core.flatten(source.__dask_keys__()))
-        return Source([source], keys, None, None)
+        return Source([source], keys, sizes or None, width)
     if isinstance(source, (str, os.PathLike)):
         source = [source]
-    sizes: list = []
     tasks: list = []
     if _are_all(source, (str, os.PathLike)):
         paths = [os.path.abspath(os.fsdecode(path)) for path in source]

@@ -4,7 +4,6 @@ get its rows, and (chunk << BITS) as the number of the first."""
 from __future__ import annotations
 
 import collections
-import contextlib
 import os
 import tempfile
 import uuid
@@ -202,20 +201,16 @@ def some_pairs(pairs_in, partition: Partition, piece, most: int, ranges):
 
 def write_pairs(pairs_in, partition: Partition, piece, prefix: str, most: int, ranges):
     """Writes all pairs, a file for each batch, and returns the paths, and that no ranges
-    are left. If the task runs again, it writes the same files."""
+    are left. If the task runs again, it writes the same files. If it fails, the call
+    deletes all of them."""
     paths: list = []
     for pairs, begin, _ in _batches(pairs_in, partition, piece, most, ranges):
         path = f"{prefix}-{begin:09}.npy"
         pairs = np.ascontiguousarray(pairs)  # which NumPy writes in one piece
         temporary = f"{path}.{uuid.uuid4().hex[:8]}.tmp"
-        try:
-            with open(temporary, "wb") as file:
-                np.save(file, pairs)
-            os.replace(temporary, path)
-        except BaseException:
-            with contextlib.suppress(OSError):
-                os.unlink(temporary)
-            raise
+        with open(temporary, "wb") as file:
+            np.save(file, pairs)
+        os.replace(temporary, path)
         paths.append(path)
     return paths, []
 
@@ -234,17 +229,14 @@ def nearest_in(partition: Partition, piece, k: int, max_distance: float):
 
 @of_chunk("points")
 def send_home(points, first: int, top: Top, k: int) -> Routed:
-    """Sends each point to the nearest of the partitions that have k objects."""
+    """Sends each point to the nearest of the partitions that have k objects, or of all if
+    none has so many."""
     numbers = np.flatnonzero(top.sizes >= k)
     if len(numbers) == 0:
-        numbers = np.flatnonzero(top.sizes > 0)
-    rows = np.arange(len(points) if len(numbers) else 0)
-    nearest = rows
-    if len(rows):
-        homes = hs.BVH(top.bounds[numbers])
-        nearest = homes.nearest(points, k=1)[0][:, 0]
-        nearest = numbers[np.maximum(nearest, 0)]
-    return Routed.to(nearest, rows, points, first)
+        numbers = np.arange(len(top.sizes))
+    nearest, _ = hs.BVH(top.bounds[numbers]).nearest(points, k=1)
+    homes = numbers[np.maximum(nearest[:, 0], 0)]
+    return Routed.to(homes, np.arange(len(points)), points, first)
 
 
 def send_on(home: Routed, found: list, top: Top, k: int, max_distance: float) -> Routed:
