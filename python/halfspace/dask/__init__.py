@@ -38,6 +38,9 @@ tree has views of NumPy arrays, not copies: do not change them before it is comp
 Thread safety: calls may run at the same time.
 """
 
+# Each file imports only those after it: _run (tasks in graphs, or submitted), _tasks (what
+# they do), _partitions (of space, and which rows go to them), _source (rows in chunks).
+
 from __future__ import annotations
 
 import itertools

@@ -81,12 +81,11 @@ class _Steps:
     def nearest(self, source, placed, k, max_distance):
         """Returns for each chunk what was sent to its nearest partitions, what these found,
         what was sent on, and what the other partitions found."""
-        def then(its):
-            return *its, self.add(send_on, *its, placed.top, k, max_distance)
-
         homes = zip(self.each_chunk(source, send_home, placed.top, k))
         found = self.search(homes, placed, nearest_in, k, max_distance)
-        return self.search(self.each(found, then), placed, nearest_in, k, max_distance)
+        sent_on = self.each(found, lambda its: (
+            *its, self.add(send_on, *its, placed.top, k, max_distance)))
+        return self.search(sent_on, placed, nearest_in, k, max_distance)
 
 
 class Tasks(_Steps, dict):
@@ -200,10 +199,8 @@ class Runner(_Steps):
 
     def joins(self, pairs_in, routed, placed: Placed, are_chunks: bool = True):
         """Yields the joins of pairs(), one for each partition that gets rows."""
-        def about(one):
-            return one, self.add(about_routed, one)
-
-        for first, one, partitions in self.by_row(self.each(routed, about)):
+        sent = self.each(routed, lambda one: (one, self.add(about_routed, one)))
+        for first, one, partitions in self.by_row(sent):
             for p in partitions:
                 yield pairs_in, placed.partitions[p], self.add(
                     piece_of, one, p, first if are_chunks else None)
