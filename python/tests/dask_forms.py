@@ -10,7 +10,6 @@ distributed = pytest.importorskip("distributed")
 pd = pytest.importorskip("pandas")
 
 import dask.array  # noqa: E402
-import dask.dataframe  # noqa: E402, F401
 
 import halfspace.dask as hd  # noqa: E402
 
