@@ -19,6 +19,7 @@ import numpy as np
 import halfspace as hs
 import halfspace.dask as hd
 import report
+from halfspace.dask import _run
 from report import seconds
 
 WORKERS = 2
@@ -136,9 +137,9 @@ def bytes_a_second(client):
 
 def sends(chunks, partitions):
     """The tasks that send rows of chunks to partitions."""
-    if partitions <= hd._ONE_STAGE:
+    if partitions <= _run.ONE_STAGE:
         return chunks * partitions
-    step = hd._step(partitions)
+    step = _run.group_size(partitions)
     groups, blocks = -(-partitions // step), -(-chunks // step)
     return groups * (chunks + blocks) + blocks * partitions
 

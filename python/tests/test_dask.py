@@ -1,122 +1,21 @@
-"""halfspace.dask: results are those of one process. Lazy calls are computed in this process,
-and calls in batches on a cluster of two processes: two forms of the same calls."""
+"""halfspace.dask: results are those of one process."""
 
 import math
 import os
 import pickle
 import signal
-import types
 
 import numpy as np
 import pytest
+from dask_forms import (chunked, client, distributed, form, no_client, pairs_of,  # noqa: F401
+                        pd, skewed, special, table, uniform, unknown_sizes)
 
-distributed = pytest.importorskip("distributed")
-pd = pytest.importorskip("pandas")
+import dask.core
+import dask.sizeof
 
-import dask.array  # noqa: E402
-import dask.core  # noqa: E402
-import dask.dataframe  # noqa: E402
-import dask.sizeof  # noqa: E402
-
-import halfspace as hs  # noqa: E402
-import halfspace.dask as hd  # noqa: E402
-
-
-@pytest.fixture(scope="module")
-def client():
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True,
-                                  dashboard_address=None) as cluster:
-        with distributed.Client(cluster) as client:
-            yield client
-
-
-def uniform(rng, n, dims=3, size=0.02):
-    low = rng.random((n, dims))
-    return np.hstack([low, low + rng.random((n, dims)) * size])
-
-
-def skewed(rng, n, dims=3):
-    """90 % of the objects in 1 % of the volume, and one box that has everything."""
-    side = 0.01 ** (1 / dims)
-    boxes = uniform(rng, n, dims, 0.002)
-    some = boxes[:n * 9 // 10]
-    some[:, :dims] *= side
-    some[:, dims:] = some[:, :dims] + 0.002 * rng.random((len(some), dims))
-    boxes[-1] = [0] * dims + [1] * dims
-    return rng.permutation(boxes)
-
-
-def special(rng, n, dims=3):
-    """Empty, infinite and equal boxes among others."""
-    boxes = uniform(rng, n, dims)
-    boxes[::7] = [np.inf] * dims + [-np.inf] * dims
-    boxes[3] = [-np.inf] * dims + [np.inf] * dims
-    boxes[5, 0] = -np.inf
-    boxes[100:200] = boxes[100]
-    return boxes
-
-
-def chunked(boxes, chunk=700):
-    return dask.array.from_array(boxes, chunks=(chunk, -1))
-
-
-def pairs_of(batches):
-    """The sorted rows of a result in batches."""
-    found = np.concatenate([np.empty((0, 2), np.int64), *(np.stack(b, 1) for b in batches)])
-    return found[np.lexsort((found[:, 1], found[:, 0]))]
-
-
-def table(frame, *columns):
-    """The sorted rows of a lazy result."""
-    found = frame.compute().reset_index()[list(columns)].to_numpy()
-    return found[np.lexsort((found[:, 1], found[:, 0]))]
-
-
-@pytest.fixture
-def no_client(monkeypatch):
-    """As in a program that never made a client."""
-    def fail(*_):
-        raise ValueError("No clients found")
-
-    monkeypatch.setattr(distributed, "get_client", fail)
-    with dask.config.set(scheduler="sync"):
-        yield
-
-
-def columns_of_nearest(frame):
-    """The rows, ids and distances of a lazy result."""
-    found = frame.compute()
-    return found.index.to_numpy(), found["id"].to_numpy(), found["distance"].to_numpy()
-
-
-def found_nearest(batches):
-    """The same of a result in batches, which has all rows and k columns."""
-    rows, ids, distances = map(np.concatenate, zip(*batches))
-    np.testing.assert_array_equal(rows, np.arange(len(rows)))
-    np.testing.assert_array_equal(ids < 0, np.isinf(distances))
-    return np.nonzero(ids >= 0)[0], ids[ids >= 0], distances[ids >= 0]
-
-
-LAZY = types.SimpleNamespace(
-    client="no_client",
-    query=lambda tree, boxes: table(tree.query(boxes), "row", "id"),
-    pairs=lambda tree: table(tree.pairs(), "i", "j"),
-    join=lambda a, b: table(hd.join(a, b), "i", "j"),
-    scan=lambda boxes, queries: table(hd.scan(boxes, queries), "row", "id"),
-    nearest=lambda tree, *arguments: columns_of_nearest(tree.nearest(*arguments)))
-BATCHES = types.SimpleNamespace(
-    client="client",
-    query=lambda tree, boxes: pairs_of(tree.query_batches(boxes)),
-    pairs=lambda tree: pairs_of(tree.pairs_batches()),
-    join=lambda a, b: pairs_of(hd.join_batches(a, b)),
-    scan=lambda boxes, queries: pairs_of(hd.scan_batches(boxes, queries)),
-    nearest=lambda tree, *arguments: found_nearest(tree.nearest_batches(*arguments)))
-
-
-@pytest.fixture(params=[LAZY, BATCHES], ids=["lazy", "batches"])
-def form(request):
-    request.getfixturevalue(request.param.client)
-    return request.param
+import halfspace as hs
+import halfspace.dask as hd
+from halfspace.dask import _partitions, _run, _tasks
 
 
 WORLDS = [uniform, skewed, special]
@@ -177,8 +76,8 @@ def test_divisions_are_rows(no_client):
 
 def test_nearest_has_no_rows_beyond_the_objects(no_client):
     boxes = uniform(np.random.default_rng(19), 200)
-    partition = hd._Partition(hs.BVH(boxes), np.arange(200))
-    found = hd._nearest_in(partition, (boxes, np.arange(200)), 3000, np.inf)
+    partition = _partitions.Partition(hs.BVH(boxes), np.arange(200))
+    found = _tasks.nearest_in(partition, (boxes, np.arange(200)), 3000, np.inf)
     assert {len(column) for column in found} == {40_000}
     tree = hd.BVH(boxes, 20)
     assert len(tree.nearest(boxes, k=3000).compute()) == 40_000
@@ -241,127 +140,16 @@ def test_cancelled_partitions_are_built_again(client):
         np.testing.assert_array_equal(pairs_of(tree.query_batches(boxes)), expected)
 
 
-def frame_of(boxes, names):
-    return pd.DataFrame(boxes, columns=names.split())
-
-
-BBOX = "xmin ymin xmax ymax"
-
-
-def files(boxes, tmp, chunks):
-    paths = [tmp / f"{n}.npy" for n in range(len(chunks))]
-    for path, chunk in zip(paths, chunks):
-        np.save(path, boxes[slice(*chunk)])
-    return paths
-
-
-SOURCES = {
-    "an array": lambda boxes, tmp: boxes,
-    "a list": lambda boxes, tmp: boxes.tolist(),
-    "chunks of columns": lambda boxes, tmp: dask.array.from_array(boxes, (800, 2)),
-    "unknown chunk sizes": lambda boxes, tmp: chunked(boxes)[dask.array.from_array(
-        np.ones(len(boxes), bool), chunks=700)],
-    "delayed arrays": lambda boxes, tmp: [dask.delayed(part) for part in
-                                          np.array_split(boxes, 4)],
-    "a delayed array": lambda boxes, tmp: dask.delayed(boxes),
-    "a frame of dask": lambda boxes, tmp: dask.dataframe.from_pandas(
-        frame_of(boxes[:, [2, 0, 3, 1]], "maxx minx maxy miny"), npartitions=3),
-    "a frame of pandas": lambda boxes, tmp: frame_of(boxes, BBOX).assign(name="x"),
-    "nullable columns": lambda boxes, tmp: frame_of(boxes, BBOX).astype("Float64"),
-    "columns without these names": lambda boxes, tmp: frame_of(boxes, "a b c d"),
-    "a file": lambda boxes, tmp: files(boxes, tmp, [(2000,)])[0],
-    "files, one of them empty": lambda boxes, tmp: files(
-        boxes, tmp, [(1000,), (1000, 1000), (1000, 2000)]),
-}
-
-
-@pytest.mark.parametrize("form, partitions", [(LAZY, 1), (LAZY, 17), (BATCHES, 3)],
-                         indirect=["form"], ids=["lazy-1", "lazy-17", "batches-3"])
-@pytest.mark.parametrize("source", SOURCES)
-def test_sources(form, tmp_path, source, partitions):
-    rng = np.random.default_rng(14)
-    boxes = uniform(rng, 2000, 2)
-    # x_min < y_min, ..., so that swapped columns have other answers.
-    boxes[:, 1::2] += 3
-    its = SOURCES[source](boxes, tmp_path)
-    tree, one = hd.BVH(its, partitions), hs.BVH(boxes)
-    expected = pairs_of([one.query(boxes)])
-    for probes in (boxes, its):
-        np.testing.assert_array_equal(form.query(tree, probes), expected)
-    np.testing.assert_array_equal(form.scan(its, boxes[:9]), pairs_of([one.query(boxes[:9])]))
-    rows, _, distances = form.nearest(tree, its, 2)
-    np.testing.assert_array_equal(rows, np.arange(2000).repeat(2))
-    np.testing.assert_array_equal(distances, one.nearest(boxes, 2)[1].ravel())
-    assert len(tree) == 2000
-
-
-@pytest.mark.parametrize("partitions", [1, 17])
-def test_geoparquet(no_client, monkeypatch, partitions):
-    """Debian 12 has no package that reads Parquet."""
-    boxes = uniform(np.random.default_rng(14), 1000, 2)
-
-    def read_parquet(path):
-        half = boxes[:500] if path.endswith("a.parquet") else boxes[500:]
-        bbox = [dict(zip(BBOX.split(), map(float, box))) for box in half]
-        return pd.DataFrame({"name": "x", "bbox": bbox})
-
-    monkeypatch.setattr(pd, "read_parquet", read_parquet)
-    paths = ["/a.parquet", "/b.parquet"]
-    found = LAZY.query(hd.BVH(paths, partitions), paths)
-    np.testing.assert_array_equal(found, pairs_of([hs.BVH(boxes).query(boxes)]))
-
-
-AXES = "xmin ymin zmin xmax ymax zmax"
-
-
-@pytest.mark.parametrize("frame", [
-    lambda boxes: frame_of(boxes, AXES),
-    lambda boxes: frame_of(boxes, "minx miny minz maxx maxy maxz").assign(a=1),
-    lambda boxes: frame_of(boxes[:, ::-1], "maxz maxy maxx minz miny minx"),
-    lambda boxes: pd.DataFrame({"bbox": [dict(zip(AXES.split(), box)) for box in boxes]}),
-])
-def test_columns_of_three_dimensions(no_client, frame):
-    boxes = uniform(np.random.default_rng(16), 50)
-    tree = hd.BVH(frame(boxes), partitions=2).compute()
-    np.testing.assert_array_equal(tree.boxes(), hs.BVH(boxes).boxes())
-
-
-def test_a_null_bbox_is_empty(no_client):
-    boxes = [None, *({"xmin": x, "ymin": 0.0, "xmax": x + 1, "ymax": 1.0} for x in range(3)),
-             dict.fromkeys(BBOX.split())]
-    for some, ids in ((boxes, [1, 2]), (boxes[1:], [0, 1]), (boxes[:1], [])):
-        tree = hd.BVH(dask.delayed(pd.DataFrame({"bbox": some})), partitions=2)
-        assert tree.query([[0, 0, 1, 1.0]]).compute()["id"].to_list() == ids
-        assert len(tree) == len(some)
-
-
-def test_geometries(form):
-    """Frames of geopandas, and by their interface those of dask-geopandas."""
-    geopandas = pytest.importorskip("geopandas")
-    from shapely.geometry import Polygon, box
-
-    rng = np.random.default_rng(15)
-    boxes = uniform(rng, 300, 2)
-    frame = geopandas.GeoDataFrame(
-        {"name": range(302)}, geometry=[*(box(*b) for b in boxes), None, Polygon()])
-    parts = [dask.delayed(frame[:200]), dask.delayed(frame[200:])]
-    probes = uniform(rng, 50, 2)
-    expected = pairs_of([hs.BVH(boxes).query(probes)])
-    for source in (frame, frame.geometry, parts):
-        found = form.query(hd.BVH(source, partitions=3), probes)
-        np.testing.assert_array_equal(found, expected)
-
-
 def test_a_task_needs_one_partition_or_one_chunk(no_client):
     """Others would gather all of them in one worker."""
     boxes = uniform(np.random.default_rng(17), 5000)
-    chunks = SOURCES["unknown chunk sizes"](boxes, None)
+    chunks = unknown_sizes(boxes)
     tree = hd.BVH(chunks, partitions=4)
     large = {(tree._name, p) for p in range(4)}
     for found in (tree, tree.query(chunks), tree.nearest(chunks), tree.pairs(),
                   hd.join(tree, tree), hd.scan(chunks, boxes[:9])):
         graph = dict(found.__dask_graph__())
-        ofs = ("-_distribute", "-_route", "-_route_border", "-_send_home", "-_send_on", "-_scan")
+        ofs = ("-distribute", "-route", "-route_border", "-send_home", "-send_on", "-scan")
         large |= {key for key in graph if key[0].endswith(ofs)}
         for key in graph:
             needs = dask.core.get_dependencies(graph, key) & large
@@ -419,19 +207,19 @@ def test_few_batches_wait(client, monkeypatch):
     boxes[0] = [-1, -1, -1, 2, 2, 2]  # a row with more pairs than a batch
     expected = pairs_of([hs.BVH(boxes).query(boxes)])
     submitted = []
-    add = hd._Runner.add
+    add = _run.Runner.add
 
     def count(run, function, *arguments):
         submitted.append(function)
         return add(run, function, *arguments)
 
-    monkeypatch.setattr(hd._Runner, "add", count)
+    monkeypatch.setattr(_run.Runner, "add", count)
     found = []
     for rows, ids in hd.BVH(boxes, partitions=1).query_batches(boxes, max_results=2000):
         found.append((rows, ids))
         assert len(rows) <= 2000 or (rows == rows[0]).all()
         # Two tasks for each thread run or wait.
-        assert submitted.count(hd._some_pairs) < len(found) + 2 * 2
+        assert submitted.count(_tasks.some_pairs) < len(found) + 2 * 2
     assert len(found) > 50 and max(len(rows) for rows, _ in found) == 3000
     np.testing.assert_array_equal(pairs_of(found), expected)
 
@@ -448,7 +236,7 @@ def test_many_small_results():
         add = list.append
         __next__ = list.pop
 
-    run = hd._Runner.__new__(hd._Runner)
+    run = _run.Runner.__new__(_run.Runner)
     run.threads = 1
     run.add = lambda *_: Future()
     real, distributed.as_completed = distributed.as_completed, Completed
@@ -493,13 +281,13 @@ def test_mapped_partitions(client):
     name = tree._name  # Partitions of other tests can still be there.
     sizes = client.run(lambda dask_worker: [dask.sizeof.sizeof(value)
                                             for key, value in dask_worker.data.items()
-                                            if isinstance(value, hd._Partition) and name in str(key)])
+                                            if isinstance(value, _partitions.Partition) and name in str(key)])
     sizes = sum(sizes.values(), [])
     assert len(sizes) == 3 and max(sizes) < 3000 * 8 < tree.nbytes.compute()
     assert dask.sizeof.sizeof(hs.BVH(boxes)) > 3000 * 24
     # A copy is in memory.
     copy = distributed.futures_of(tree)[0].result()
-    assert isinstance(copy, hd._Partition)
+    assert isinstance(copy, _partitions.Partition)
     assert dask.sizeof.sizeof(copy) > copy.tree.nbytes > 3000 * 8
     np.testing.assert_array_equal(pairs_of(tree.query_batches(boxes)),
                                   pairs_of([hs.BVH(boxes).query(boxes)]))
@@ -534,61 +322,3 @@ def test_a_killed_worker_loses_nothing(client):
     found += batches
     assert client.run(os.getpid) != workers
     np.testing.assert_array_equal(pairs_of(found), expected)
-
-
-MASKED = np.ma.array(np.ones((2, 6)), mask=np.ones((2, 6)))
-IN_CHUNKS = dask.array.from_array(MASKED, asarray=False)
-ONES = np.ones((3, 6))
-
-
-@pytest.mark.parametrize("call", [
-    lambda: hd.BVH(MASKED),
-    lambda: hd.BVH(IN_CHUNKS, partitions=2).compute(),
-    lambda: hd.BVH(ONES).query_batches(MASKED),
-    lambda: hd.BVH(ONES).query(IN_CHUNKS).compute(),
-    lambda: list(hd.BVH(ONES).nearest_batches(IN_CHUNKS[:, :3])),
-    lambda: hd.BVH(ONES).nearest(np.ones((3, 3)), k=np.ma.array(1, mask=1)),
-    lambda: hd.scan(ONES, MASKED),
-    lambda: list(hd.scan_batches(IN_CHUNKS, ONES)),
-])
-def test_masked_values_are_refused(client, call):
-    with pytest.raises(TypeError, match="expected no masked values"):
-        call()
-
-
-def delayed(*widths):
-    """A tree of chunks of these widths, which are known when it is computed."""
-    return hd.BVH([dask.delayed(np.ones((2, width))) for width in widths], partitions=2)
-
-
-@pytest.mark.parametrize("call, message", [
-    (lambda: hd.BVH(np.ones((3, 5))), r"boxes must have the shape \(n, 4\) or \(n, 6\)"),
-    (lambda: hd.BVH(ONES, balance="fair"), "balance must be"),
-    (lambda: hd.BVH(ONES, partitions=0), "partitions: expected an integer from 1"),
-    (lambda: hd.scan_batches(ONES, np.full((1, 6), np.nan)), "boxes.0.: .*NaN"),
-    (lambda: hd.BVH(ONES).query_batches(np.ones((3, 4))), "boxes must have the shape"),
-    (lambda: hd.BVH(ONES).query_batches(ONES, max_results=0), "max_results"),
-    (lambda: list(hd.BVH(ONES).nearest_batches(np.ones((3, 3)), k=0)), "k: expected an integer from 1"),
-    (lambda: list(hd.BVH(ONES).nearest_batches(np.ones((3, 3)), max_distance=-1)),
-     "max_distance"),
-    (lambda: hd.join_batches(hd.BVH(ONES), hd.BVH(np.ones((3, 4)))), "same dimensions"),
-    (lambda: list(hd.BVH(ONES).query_batches(
-        chunked(np.array([[1.0] * 6, [np.nan] * 6]), 1))), "chunk that begins at row 1"),
-    (lambda: hd.BVH(chunked(np.array([[1.0] * 6] * 3 + [[np.nan] * 6]), 2), partitions=2).compute(),
-     "row 3 of boxes: .*NaN"),
-    (lambda: delayed(4, 6).compute(), "in chunk 1: boxes have the shape .n, 6., and those in chunk 0 .n, 4."),
-    (lambda: delayed(5).compute(), r"in chunk 0: boxes must have the shape \(n, 4\) or \(n, 6\)"),
-    (lambda: hd.join(delayed(4), delayed(6)).compute(), "must have the same dimensions"),
-    (lambda: hd.join_batches(delayed(4), delayed(6)), "must have the same dimensions"),
-    (lambda: hd.scan([dask.delayed(np.ones((2, 4)))], np.ones((2, 6))).compute(), "in chunk 0: "),
-    (lambda: hd.join(delayed(4), np.ones((3, 4))), "b: expected a halfspace.dask.BVH, got ndarray"),
-    (lambda: hd.join_batches(hs.BVH(np.ones((3, 4))), delayed(4)), "a: expected a halfspace.dask.BVH"),
-    (lambda: hd.BVH(delayed(4)), "boxes: expected boxes, got a halfspace.dask.BVH"),
-    (lambda: hd.BVH(ONES, mapped="no"), "mapped must be True, False or None, not 'no'"),
-    (lambda: bool(delayed(4)), "truth value"),
-    (lambda: hd.BVH(frame_of(np.ones((2, 4)), BBOX).astype("Float64").shift(1)), "boxes: .*missing values"),
-    (lambda: hd.BVH(pytest.importorskip("geopandas").GeoDataFrame({"a": [1]})), "boxes: .*set_geometry"),
-])
-def test_bad_input(client, call, message):
-    with pytest.raises((TypeError, ValueError), match=message):
-        call()
