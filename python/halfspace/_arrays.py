@@ -179,7 +179,7 @@ def margin(value: Any) -> float:
     """A finite float32 that is not negative and not below a number."""
     distance = not_negative(value, "margin")
     if math.isinf(distance):
-        raise ValueError(f"margin: expected a finite float32, got {distance}")
+        raise ValueError(f"margin: expected a finite float32, got {value}")
     return distance
 
 
@@ -246,7 +246,9 @@ def faces(value: Any, name: str, count: int) -> np.ndarray:
 def _unsigned(array: np.ndarray, name: str, end: int, expected: str) -> np.ndarray:
     """A contiguous array of uint32. Its integers must be below `end`."""
     array = np.atleast_1d(array)
-    if array.size and array.dtype.kind not in "iu":
+    if array.size == 0:
+        return np.empty(array.shape, np.uint32)
+    if array.dtype.kind not in "iu":
         raise TypeError(f"{name}: expected integers, got {array.dtype}")
     bad = np.argwhere((array < 0) | (array >= end))
     if len(bad):

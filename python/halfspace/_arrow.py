@@ -42,7 +42,7 @@ def column(value: Any, name: str) -> np.ndarray:
     array = _members(_ARRAY, _pointer_of(made[1], b"arrow_array"))
     if not schema[7] or not array[8]:
         raise ValueError(f"{name}: expected an Arrow array, got one that was released")
-    letters = ctypes.string_at(schema[0])
+    letters = ctypes.string_at(schema[0]) if schema[0] else b""
     dtype: Any = _TYPES.get(letters)
     if dtype is None:
         raise TypeError(
@@ -50,7 +50,7 @@ def column(value: Any, name: str) -> np.ndarray:
             f'"{letters.decode()}"'
         )
     length, null_count, offset, n_buffers, _, buffers = array[:6]
-    if n_buffers != 2 or length < 0 or offset < 0:
+    if n_buffers != 2 or not buffers or length < 0 or offset < 0:
         raise ValueError(
             f"{name}: expected an Arrow array with 2 buffers, got a malformed one"
         )

@@ -206,9 +206,9 @@ class BVH(Searches):
     def _is_join_faster(self, table: _arrays.Table, mask: int) -> bool:
         # As measured with 64 to 10^6 objects and 4096 to 2 * 10^6 queries. With fewer
         # queries the leaves of their tree are too large, more so in 3 dimensions, and
-        # a join reads more: it takes up to 5 times as long. In fewer than some 128
-        # objects, or with many results, it takes up to twice as long, because it sorts
-        # the queries and the results.
+        # a join reads more: it takes up to 5 times as long. With fewer than 128 objects
+        # or with many results it takes up to twice as long, because it sorts the
+        # queries and the results.
         size = len(self)
         least = size // (10 if self.dims == 2 else 4)
         if size < 128 or not least <= table.length < _arrays.MOST_OBJECTS:
@@ -237,13 +237,13 @@ class BVH(Searches):
         """
         table = self._boxes(boxes)
         most = _arrays.positive(max_results, "max_results")
-        return self._batches(table, most, _arrays.how(mask, threads, None))
+        batches = self._unchecked_batches(table, most, _arrays.how(mask, threads, None))
+        return self._checked(batches, self._tree.changes)
 
-    def _batches(
-        self, table: _arrays.Table, most: int, how: _arrays.How
+    def _checked(
+        self, batches: Iterator[np.ndarray], changes: int
     ) -> Iterator[np.ndarray]:
-        changes = self._tree.changes
-        for batch in self._unchecked_batches(table, most, how):
+        for batch in batches:
             if self._tree.changes != changes:
                 raise RuntimeError("the tree changed during query_batches")
             if batch.shape[1]:
@@ -440,8 +440,9 @@ class BVH(Searches):
     def set_masks(self, masks: Any, ids: Any = None) -> None:
         """Sets the masks of objects, for the `mask` of searches.
 
-        `ids` is as in `refit`. One integer is the mask of all objects or of all
-        `ids`. Masks have 32 bits, and new objects have all.
+        Element i of `masks` is the mask of object i, for every id up to the
+        greatest, or with `ids` that of object `ids[i]`. One integer is the mask of
+        all of them. Masks have 32 bits, and new objects have all.
         """
         wanted = np.empty(0, np.uint32) if ids is None else _arrays.ids(ids, "ids")
         count = self._tree.id_limit() if ids is None else len(wanted)

@@ -308,7 +308,8 @@ class Searches:
     ) -> Tuple[Any, Any]:
         """Finds the first box that each sphere touches on its way, or all.
 
-        Spheres are those of `query_sphere`. The rest is as in `boxcast`.
+        `centers` has the shape (m, d) or (d,), and `radii` is one number, or one for
+        each center. float64 spheres are enclosed. The rest is as in `boxcast`.
         """
         starts = _arrays.spheres(centers, radii, self.dims)
         how = _arrays.how(mask, threads, progress)

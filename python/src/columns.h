@@ -82,7 +82,7 @@ struct Columns : hs_columns {
 // The order of records in a tree, by their first `dims` columns: those that are
 // near each other become neighbors. Queries in this order find in the cache
 // what the ones before them read.
-std::vector<std::uint32_t> OrderByPlace(const hs_columns& records,
+std::vector<std::uint32_t> OrderByPlace(const Columns& records,
                                         std::size_t dims, Work& work);
 
 // The box that a plain array has. No record if the array needs a closer look.

@@ -5,9 +5,12 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <numeric>
@@ -280,9 +283,10 @@ void Own(Tree& tree) {
   // this thread owns.
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::milliseconds(50);
-  TheWaiters().WaitUntil([&] {
-    return tree.owner != 0 || tree.waiting == 0 || Clock::now() >= end;
-  });
+  if (tree.owner == 0) {
+    TheWaiters().WaitUntil(
+        [&] { return tree.waiting == 0 || Clock::now() >= end; });
+  }
   WaitUntilOpen(tree);
   tree.owner = self;
   ++tree.owned;
@@ -563,8 +567,8 @@ Ids QueryByJoin(Tree& tree, const py::tuple& arrays, const py::tuple& how) {
     const py::gil_scoped_release release;
     std::size_t size = 0;
     Check(hs_bvh_size(tree.get(), &size));
-    // The tree of 2^18 queries stays in the cache: all of 2 * 10^6 in one take
-    // twice as long. Few queries share too little of a large tree.
+    // A tree of 2^18 queries stays in the cache: 2 * 10^6 in one tree take up
+    // to twice as long. In a large tree, queries share less the fewer they are.
     const std::size_t most = std::max(std::size_t{1} << 18, size);
     for (std::size_t first = 0; first < boxes.count; first += most) {
       Columns some = boxes;
@@ -794,7 +798,13 @@ void Rebuild(Tree& tree, bool is_fast, std::size_t threads) {
   hs_bvh_config config = ConfigOf(tree.dims, is_fast);
   config.run = &Threads::Run;
   config.run_context = &its_threads;
-  Change(tree, [&] { its_threads.Check(hs_bvh_rebuild(tree.get(), &config)); });
+  Change(tree, [&] {
+    its_threads.Check(hs_bvh_rebuild(tree.get(), &config));
+    std::size_t size = 0;
+    Check(hs_bvh_size(tree.get(), &size));
+    // As in MakeTree().
+    if (size == 0) Check(hs_bvh_reserve(tree.get(), 1));
+  });
 }
 
 py::array_t<double> Doubles(Tree& tree) {
@@ -823,25 +833,41 @@ py::array_t<float> Boxes(Tree& tree) {
 
 }  // namespace
 
-std::vector<std::uint32_t> OrderByPlace(const hs_columns& records,
+std::vector<std::uint32_t> OrderByPlace(const Columns& records,
                                         std::size_t dims, Work& work) {
-  hs_columns points = records;
-  for (std::size_t k = 0; k < dims; ++k) {
-    points.column[dims + k] = points.column[k];
-  }
-  const Bvh bvh =
-      Build(points, dims, /*is_fast=*/true, work, /*progress_end=*/0);
-  std::array<float, 6> everything;
-  Check(hs_bvh_bounds(bvh.get(), everything.data()));
-  const auto* const max = everything.data() + dims;
-  // Rays from one camera start at one place: no order helps.
-  if (std::equal(max, max + dims, everything.data())) return {};
-  const hs_columns query = hs_float_rows(everything.data(), 1, 2 * dims);
   std::vector<std::uint32_t> order(records.count);
-  std::size_t total = 0;
-  Check(hs_bvh_query(bvh.get(), &query, nullptr, order.data(), order.size(),
-                     nullptr, &total));
-  return total == records.count ? order : std::vector<std::uint32_t>();
+  // In parts, because a tree of doubles takes 60 bytes a record.
+  constexpr std::size_t kMost = std::size_t{1} << 20;
+  for (std::size_t first = 0; first < records.count; first += kMost) {
+    hs_columns points = records.Rows(first, kMost);
+    for (std::size_t k = 0; k < dims; ++k) {
+      points.column[dims + k] = points.column[k];
+    }
+    const Bvh bvh =
+        Build(points, dims, /*is_fast=*/true, work, /*progress_end=*/0);
+    std::array<float, 6> everything;
+    Check(hs_bvh_bounds(bvh.get(), everything.data()));
+    // Rays from one camera start at one place: no order helps. Doubles at one
+    // place are rounded to two floats.
+    bool are_apart = false;
+    for (std::size_t k = 0; k < dims; ++k) {
+      const float min = everything[k];
+      are_apart |= everything[dims + k] >
+                   std::nextafter(min, std::numeric_limits<float>::infinity());
+    }
+    if (!are_apart) return {};
+    const hs_columns query = hs_float_rows(everything.data(), 1, 2 * dims);
+    const auto begin = order.begin() + static_cast<std::ptrdiff_t>(first);
+    std::size_t total = 0;
+    Check(hs_bvh_query(bvh.get(), &query, nullptr, &*begin, points.count,
+                       nullptr, &total));
+    if (total != points.count) return {};
+    const auto end = begin + static_cast<std::ptrdiff_t>(total);
+    std::transform(begin, end, begin, [first](std::uint32_t i) {
+      return static_cast<std::uint32_t>(first + i);
+    });
+  }
+  return order;
 }
 
 void DefineTree(py::module_& module) {

@@ -111,6 +111,7 @@ class ArrowColumn:
         self.bitmap = None if nulls is None else np.packbits(present, bitorder="little")
         self.length, self.offset = len(values), offset
         self.is_released = False
+        self.is_malformed = ()  # which pointers are null
 
     def __arrow_c_array__(self, requested_schema=None):
         assert requested_schema is None
@@ -120,9 +121,10 @@ class ArrowColumn:
         release = 0 if self.is_released else 1
         # The members of struct ArrowSchema and of struct ArrowArray.
         self.structs = (
-            words(ctypes.addressof(self.text), 0, 0, 0, 0, 0, 0, 1, 0),
+            words(0 if "format" in self.is_malformed else ctypes.addressof(self.text), 0, 0, 0, 0, 0, 0, 1, 0),
             words(self.length, -1 if has_nulls else 0, self.offset, 2, 0,
-                  self.buffers.ctypes.data, 0, 0, release, 0),
+                  0 if "buffers" in self.is_malformed else self.buffers.ctypes.data, 0, 0,
+                  release, 0),
         )
         self.capsules = tuple(
             new_capsule(struct.ctypes.data, name, None)
@@ -155,6 +157,9 @@ def test_arrow_errors():
     column = BOXES[:, 2].copy()
     released = ArrowColumn(column)
     released.is_released = True
+    without_format, without_buffers = ArrowColumn(column), ArrowColumn(column)
+    without_format.is_malformed = ("format",)
+    without_buffers.is_malformed = ("buffers",)
     for bad, error, message in (
         (ArrowColumn(column, 5, [3]), ValueError,
          "boxes[2]: expected numbers, got a null in row 3"),
@@ -163,6 +168,8 @@ def test_arrow_errors():
         (ArrowColumn(column[1:]), ValueError,
          "boxes: expected arrays of the same shape, got [(300, 1), (300, 1), (299,"),
         (released, ValueError, "boxes[2]: expected an Arrow array, got one that was rel"),
+        (without_format, TypeError, 'boxes[2]: expected an Arrow array of float or double, got'),
+        (without_buffers, ValueError, "boxes[2]: expected an Arrow array with 2 buffers, got"),
     ):
         with pytest.raises(error, match=re.escape(message)):
             hs.BVH(good[:2] + [bad] + good[3:])
@@ -259,6 +266,7 @@ BAD_CALLS = [
     (lambda: TREE.set_masks(1, [2]), "ids[0]: expected the id of an object, got 2"),
     (lambda: TREE.query(BOX, mask=2**32), "mask: expected an integer from 0 to 4294967295"),
     (lambda: TREE.pairs(margin=INF), "margin: expected a finite float32, got inf"),
+    (lambda: TREE.pairs(margin=1e39), "margin: expected a finite float32, got 1e+39"),
     (lambda: hs.join(TREE, TREE, margin=NAN), "margin: expected a number that is not neg"),
     (lambda: hs.join(TREE, hs.BVH(BOXES)), "b: expected a BVH of 2 dimension"),
     (lambda: BODIES.move([1, 5], [BOX] * 2), "ids[1]: expected the id of a body, got 5"),

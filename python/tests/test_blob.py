@@ -166,3 +166,9 @@ def test_pickle_with_other_doubles(boxes):
     for size in (0, len(doubles) - 1, len(doubles) - boxes.shape[1], len(doubles) + 1):
         with pytest.raises(ValueError, match="^pickle of a halfspace.BVH: expected .*float64"):
             make(cls, blob, np.resize(doubles, size))
+
+
+def test_pickle_of_a_tree_that_lost_its_objects(tree):
+    tree.erase(np.arange(len(tree)))
+    tree.rebuild()
+    assert pickle.loads(pickle.dumps(tree)).dims == tree.dims

@@ -130,6 +130,10 @@ def test_query_batches_of_a_tree_that_changes(boxes, queries, change, most):
     CHANGES[change](tree)
     with pytest.raises(RuntimeError, match="changed during query_batches"):
         list(batches)
+    batches = tree.query_batches(queries, most)  # none was taken yet
+    tree.insert(boxes[0])
+    with pytest.raises(RuntimeError, match="changed during query_batches"):
+        list(batches)
 
 
 @pytest.mark.parametrize("change", CHANGES)
@@ -344,6 +348,8 @@ def test_many_queries_of_a_large_tree(rng, dims, exact):
     ]:
         for whole, *found in zip(call(slice(None)), *map(call, few)):
             assert np.array_equal(whole, np.concatenate(found))
+    many = np.resize(queries, (2**20 + 100, 2 * dims))  # sorted in parts
+    assert (tree.count(many) == np.resize(tree.count(queries), len(many))).all()
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])

@@ -172,10 +172,10 @@ TEST(BvhKnownTest, FunctionsSayWhetherACallGoesOn) {
 // two.
 class BvhSetTest : public ::testing::TestWithParam<std::size_t> {};
 INSTANTIATE_TEST_SUITE_P(Among, BvhSetTest,
-                         ::testing::Values(64, 128, 129, 64 * 1024));
+                         ::testing::Values(64, 128, 129, 4096, 64 * 1024));
 
 TEST_P(BvhSetTest, HasThePairsOfAllThatTouchTheSet) {
-  const bool is_large = GetParam() > 129;
+  const bool is_large = GetParam() > 4096;
   const std::vector<Aabb3> world =
       Spread(is_large ? 1.0f : 10.0f).Some(GetParam());
   AabbBvh3 bvh(world, {.quality = BuildQuality::kFast});
