@@ -58,7 +58,7 @@ class Parts {
 
   std::byte* begin_;
   bool is_new_;
-  std::uint64_t bytes_ = 0;  // those of an altered header can be any number
+  std::uint64_t bytes_ = 0;  // an altered header can ask for any number
 };
 
 // Elements are read in any order. The values of a record are in one cache line

@@ -86,6 +86,13 @@ struct Found {
   std::uint32_t id;
 };
 
+// Loads a cache line ahead of its use, if the compiler has a way to ask for it.
+inline void Prefetch([[maybe_unused]] const void* at) {
+#if defined(__GNUC__)
+  __builtin_prefetch(at);
+#endif
+}
+
 // Returns the rows and the ids, of shape (2, n), and the values of the items,
 // if they have one. The results of the query at place i end at ends[i] of the
 // list of its part.
@@ -128,7 +135,7 @@ std::pair<Ids, pybind11::array_t<float>> Gather(
     const std::size_t end = std::min(found.size(), row + kInPart);
     for (std::size_t at = row == 0 ? 0 : found[row - 1].end; row < end; ++row) {
       if (row + kAhead < found.size()) {
-        __builtin_prefetch(found[row + kAhead].items);
+        Prefetch(found[row + kAhead].items);
       }
       const Item* item = found[row].items;
       std::fill(rows + at, rows + found[row].end,

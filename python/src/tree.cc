@@ -73,13 +73,11 @@ struct Rows {
     return is_near;
   }
   // Without it, most of the time is spent waiting for memory.
-  void Prefetch([[maybe_unused]] std::uint32_t id) const {
-#if defined(__GNUC__)
+  void Prefetch(std::uint32_t id) const {
     const double* const row = Find(id);
     if (row == nullptr) return;
-    __builtin_prefetch(row);
-    __builtin_prefetch(row + 2 * dims - 1);
-#endif
+    python::Prefetch(row);
+    python::Prefetch(row + 2 * dims - 1);
   }
 
   std::span<const double> values;
