@@ -20,6 +20,16 @@ for argument in "$@"; do
   esac
 done
 
+# The options that may be given, as its manual lists them. Before anything is installed.
+known=$(sed -nE '/^\.SH OPTIONS/,/^\.SH EXIT/s/\\(f[A-Z])?//gp' "$root/docs/cpuinfo-bench.1" |
+  grep -oE '(^| )--?[a-z-]+' | tr -d ' ')
+for argument in "$@"; do
+  if [[ $argument == -* ]] && ! grep -qxF -e "${argument%%=*}" <<<"$known"$'\n--paper'; then
+    say "./bench.sh: \"$argument\" is no option of it. Its options are in docs/cpuinfo-bench.1."
+    exit 2
+  fi
+done
+
 # The kernels of 4 dimensions are compiled for the experiments of the paper alone. The
 # library is compiled without what cpuinfo-bench does not call, and without --details and
 # --list also the tool without the sections that are not on the page.

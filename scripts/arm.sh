@@ -15,8 +15,9 @@ prepare_arm() {
   fi
   if [ "$(dpkg --print-architecture)" != arm64 ] &&
     ! dpkg --print-foreign-architectures | grep -qx arm64; then
-    require_root "dpkg --add-architecture arm64"
-    step "add Debian's arm64" as_root dpkg --add-architecture arm64
+    become_root "dpkg --add-architecture arm64"
+    # shellcheck disable=SC2154  # become_root has set as_root
+    step "add Debian's arm64" "${as_root[@]}" dpkg --add-architecture arm64
   fi
   install_packages "${arm_packages[@]}"
 }

@@ -32,22 +32,22 @@ python_packages=(
   python3-matplotlib python3-numpy python3-pandas python3-pip python3-pytest
   python3-rtree python3-setuptools python3-shapely python3-venv python3-wheel)
 
-# Runs a command as root; without a terminal it fails rather than asks.
-as_root() {
-  if [ "$(id -u)" -eq 0 ]; then
-    "$@"
-  elif [ -t 0 ]; then
-    sudo "$@"
-  else
-    sudo -n "$@"
+# become_root COMMAND: sets `as_root`, to be written before a command that needs root.
+# Asks for the password here, as a step would hide the prompt. Ends the script, naming the
+# commands to run, if that fails.
+become_root() {
+  local reason="there is no sudo" before="As root, run"
+  as_root=()
+  if [ "$(id -u)" -eq 0 ]; then return; fi
+  if command -v sudo >/dev/null; then
+    as_root=(sudo -n)
+    # Not `sudo -v`: that asks for a password also where `sudo true` needs none. Without a
+    # terminal it fails rather than asks.
+    if "${as_root[@]}" true 2>/dev/null || { [ -t 0 ] && sudo true; }; then return; fi
+    reason="sudo failed" before="Run"
+    set -- "sudo ${1//"&& "/"&& sudo "}"
   fi
-}
-
-# require_root COMMAND: ends the script, naming the command, if nobody here could
-# run it as root.
-require_root() {
-  if [ "$(id -u)" -eq 0 ] || command -v sudo >/dev/null; then return; fi
-  say "Packages are missing. Their installation needs root, and there is no sudo. As root, run: $1"
+  say "This needs root, and $reason. $before: $1"
   exit 1
 }
 
@@ -70,16 +70,16 @@ install_packages() {
   done
   if [ "${#missing[@]}" -eq 0 ]; then return; fi
 
-  require_root "apt-get install ${missing[*]}"
-  say "These packages are missing and will be installed: ${missing[*]}"
+  say "These packages are missing: ${missing[*]}"
+  become_root "apt-get update && apt-get install ${missing[*]}"
   # Once for all parts of CI, and again when there is an architecture more.
   local architectures
   architectures=$(dpkg --print-architecture; dpkg --print-foreign-architectures)
   if [ "${apt_lists_of-}" != "$architectures" ]; then
-    step "apt-get update" as_root apt-get -q update
+    step "apt-get update" "${as_root[@]}" apt-get -q update
     export apt_lists_of=$architectures
   fi
-  step "apt-get install" as_root env DEBIAN_FRONTEND=noninteractive \
+  step "apt-get install" "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
     apt-get -q -y --no-install-recommends install "${missing[@]}"
 }
 
