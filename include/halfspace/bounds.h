@@ -38,6 +38,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "halfspace/detail/cxx17.h"  // IWYU pragma: keep
+
 namespace halfspace {
 
 namespace detail {

@@ -27,6 +27,7 @@
 #include <string>
 #include <string_view>
 
+#include "halfspace/detail/cxx17.h"  // IWYU pragma: keep
 #include "halfspace/export.h"
 
 namespace halfspace {

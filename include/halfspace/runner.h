@@ -15,6 +15,8 @@
 #include <cstddef>
 #include <type_traits>
 
+#include "halfspace/detail/cxx17.h"  // IWYU pragma: keep
+
 namespace halfspace {
 
 namespace detail {

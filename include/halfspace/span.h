@@ -24,6 +24,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "halfspace/detail/cxx17.h"  // IWYU pragma: keep
+
 namespace halfspace {
 
 namespace detail {

@@ -15,6 +15,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "halfspace/detail/cxx17.h"  // IWYU pragma: keep
+
 namespace halfspace {
 
 enum class Visit : std::uint8_t { kContinue, kStop };

@@ -32,6 +32,16 @@ foreach(standard IN LISTS standards)
   endif()
 endforeach()
 
+# As C++14 it compiles, or the compiler says what it needs and stops.
+execute_process(
+  COMMAND ${COMPILER} ${INCLUDES} "${source}" -std=c++14 -fsyntax-only
+  RESULT_VARIABLE result ERROR_VARIABLE said)
+string(REGEX MATCHALL "error: " errors "${said}")
+list(LENGTH errors count)
+if(result AND (NOT said MATCHES "halfspace needs C[+][+]17 or later" OR count GREATER 2))
+  message(FATAL_ERROR "${HEADER}, compiled as C++14: ${said}")
+endif()
+
 file(READ "${dependencies}" files)
 string(FIND "${files}" "${HEADER}" found)
 if(found EQUAL -1)
