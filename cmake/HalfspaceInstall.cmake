@@ -22,9 +22,14 @@ list(TRANSFORM HALFSPACE_CXX_RUNTIME PREPEND " -l" OUTPUT_VARIABLE HALFSPACE_PC_
 list(JOIN HALFSPACE_PC_PRIVATE_LIBS "" HALFSPACE_PC_PRIVATE_LIBS)
 
 set(HALFSPACE_PC_DEFINITIONS "")
+set(HALFSPACE_PC_LIBS "")
 get_target_property(library_type halfspace TYPE)
 if(library_type STREQUAL "SHARED_LIBRARY")
   set(HALFSPACE_PC_DEFINITIONS " -DHALFSPACE_SHARED")
+else()
+  # Without --static, too: there is no other library than the static one.
+  set(HALFSPACE_PC_LIBS "${HALFSPACE_PC_PRIVATE_LIBS}")
+  set(HALFSPACE_PC_PRIVATE_LIBS "")
 endif()
 
 install(TARGETS halfspace EXPORT halfspaceTargets

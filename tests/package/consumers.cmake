@@ -95,9 +95,9 @@ add_consumer_tests(package.installed "${prefix}" -DCONSUMER_OTHER_FLAGS=ON)
 
 # Its shared sibling, built by the README's lines.
 set(folder "${CMAKE_CURRENT_BINARY_DIR}/readme")
-set(expected "body 1 is near")
-if(CMAKE_CROSSCOMPILING)
-  set(expected "")  # The lines compile the program for this machine.
+set(expected "body 1 is near\nobject 0 may be touched")
+if(CMAKE_CROSSCOMPILING OR NOT HALFSPACE_C)
+  set(expected "")  # The lines compile the programs for this machine, one of them in C.
 endif()
 add_test(NAME package.readme
   COMMAND bash "${CMAKE_CURRENT_SOURCE_DIR}/run_readme_lines.sh" c++
@@ -171,9 +171,17 @@ endforeach()
 add_nested_build_test(package.alone "${PROJECT_SOURCE_DIR}"
   OPTIONS ${nested_library_options} ${nothing_else}
   TARGET help
-  COMMAND ${CMAKE_COMMAND} -E true)
+  COMMAND ${CMAKE_COMMAND} -N -L .)
 set_tests_properties(package.alone PROPERTIES
+  PASS_REGULAR_EXPRESSION "HALFSPACE_C:BOOL=ON"
   FAIL_REGULAR_EXPRESSION "cpuinfo-bench|example_quick_start|hash_test")
+# The C API is in it, unless it lacks a dimension that the C API needs.
+add_nested_build_test(package.alone_3d "${PROJECT_SOURCE_DIR}"
+  OPTIONS ${nested_library_options} -DHALFSPACE_DIMS=3
+  TARGET help
+  COMMAND ${CMAKE_COMMAND} -N -L .)
+set_tests_properties(package.alone_3d PROPERTIES
+  PASS_REGULAR_EXPRESSION "HALFSPACE_C:BOOL=OFF")
 
 # Folders of the installation that are absolute. CMake refuses one for headers in the
 # sources; nothing is written there.

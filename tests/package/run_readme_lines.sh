@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # run_readme_lines.sh LANGUAGE SOURCES FOLDER EXPECTED [CMAKE OPTION...]: runs the lines
-# of readme_lines.sh in FOLDER, except the line of apt. The last one must print EXPECTED.
+# of readme_lines.sh in FOLDER, except the line of apt. The last ones must print the lines of EXPECTED.
 # For Python, the sources are those of a source distribution (MANIFEST.in), and a wheel is
 # installed after the lines.
 # For C++, the library is built as a part of another project (subproject), with these CMAKE
@@ -36,8 +36,8 @@ export LD_LIBRARY_PATH="$local/lib:$local/lib64"
 if [ -z "$expected" ]; then lines=$(grep '^cmake ' <<<"$lines"); fi
 printf '%s\n' "$lines" >lines
 bash -euxo pipefail lines | tee output
-if [ "$expected" ] && [ "$(tail -n 1 output)" != "$expected" ]; then
-  echo "The last line is not: $expected"
+if [ "$expected" ] && [ "$(tail -n "$(wc -l <<<"$expected")" output)" != "$expected" ]; then
+  echo "The last lines are not: $expected"
   exit 1
 fi
 if [ "$language" != python ]; then exit; fi

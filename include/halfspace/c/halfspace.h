@@ -25,9 +25,11 @@
 // out only if a plane separates the two bounds. Bounds that only touch survive,
 // and no overlap is missed. Bounds are floats. Doubles are rounded outward.
 //
-// To link the static library, a C program needs the C++ runtime as well:
-//   cc app.c $(pkg-config --cflags --libs --static halfspace)
-// The library contains these functions if it was built with HALFSPACE_C=ON.
+//   cc app.c $(pkg-config --cflags --libs halfspace)
+//
+// With a static library this names the C++ runtime, too, which a C program
+// needs. The library contains these functions unless it was built with
+// HALFSPACE_C=OFF, or as a part of a project that does not set HALFSPACE_C.
 //
 // Status: functions return HS_OK or the reason of the failure, and
 // hs_last_error() has the message. A function that fails changes no object and

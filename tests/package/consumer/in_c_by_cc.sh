@@ -5,6 +5,6 @@ set -eu
 source=$(dirname "$0")/in_c.c
 export PKG_CONFIG_PATH="$3"
 # shellcheck disable=SC2046
-"$1" -o in_c_by_cc "$source" $("$2" --cflags --libs --static halfspace) \
+"$1" -o in_c_by_cc "$source" $("$2" --cflags --libs halfspace) \
   -Wl,-rpath,"$("$2" --variable=libdir halfspace)"
 ./in_c_by_cc
