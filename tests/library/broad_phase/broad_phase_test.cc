@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -410,6 +411,47 @@ TEST(BroadPhaseSaveTest, AlteredBytesDoNoHarm) {
     accepted += LoadAltered(kLayout, altered, random) ? 1 : 0;
   }
   EXPECT_GT(accepted, 0u);
+}
+
+// The operators of the classes that callers see.
+template <typename Owner>
+constexpr bool kCopiesMayThrow = !std::is_nothrow_copy_assignable_v<Owner> &&
+                                 !std::is_nothrow_copy_constructible_v<Owner> &&
+                                 std::is_nothrow_move_constructible_v<Owner> &&
+                                 std::is_nothrow_swappable_v<Owner>;
+static_assert(kCopiesMayThrow<Bodies> &&
+              std::is_nothrow_move_assignable_v<Bodies>);
+// These copy if the resources differ.
+static_assert(kCopiesMayThrow<AabbBvh3> &&
+              !std::is_nothrow_move_assignable_v<AabbBvh3> &&
+              kCopiesMayThrow<PairEvents> &&
+              !std::is_nothrow_move_assignable_v<PairEvents>);
+
+TEST(BroadPhaseMemoryTest, AssignmentsThatFailChangeNothing) {
+  CountingMemory memory;
+  BroadPhaseOptions options;
+  options.memory = memory.resource();
+  Bodies from(options);
+  from.Insert(Ids{1, 2}, std::vector<Aabb3>(2, kUnit));
+  from.UpdatePairs();
+  Bodies to;
+  to.Insert(3, kFar);
+  EXPECT_GT(FailuresOf(
+                memory, [&] { to = from; },
+                [&] {
+                  EXPECT_EQ(FoundIn(to, Aabb3::Everything()), Ids{3});
+                  EXPECT_EQ(FoundIn(from, kUnit), (Ids{1, 2}));
+                }),
+            3u);
+  const Bodies& itself = to;
+  to = itself;
+  EXPECT_EQ(FoundIn(to, kUnit), (Ids{1, 2}));
+  EXPECT_EQ(to.pairs().size(), 1u);
+  from = std::move(to);
+  to = from;
+  EXPECT_EQ(FoundIn(to, kUnit), (Ids{1, 2}));
+  to.Erase(1);
+  EXPECT_TRUE(from.Has(1));
 }
 
 // In a query, beside a body that moved since the last update.
