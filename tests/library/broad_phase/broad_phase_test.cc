@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <functional>
+#include <initializer_list>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -411,6 +413,37 @@ TEST(BroadPhaseSaveTest, AlteredBytesDoNoHarm) {
     accepted += LoadAltered(kLayout, altered, random) ? 1 : 0;
   }
   EXPECT_GT(accepted, 0u);
+}
+
+// Bytes without a body that list changed ids, each of which takes a record.
+TEST(BroadPhaseSaveTest, ChangedIdsTakeTheMemoryThatTheHeaderSays) {
+  std::vector<std::byte> bytes = BytesOf(CoreOf(Bodies()));
+  ASSERT_EQ(bytes.size(), 64u);
+  bytes.resize(192);
+  constexpr std::uint64_t kCount = 16;  // in each of two lists
+  std::memcpy(&bytes[48], &kCount, sizeof(std::uint64_t));
+  std::memcpy(&bytes[56], &kCount, sizeof(std::uint32_t));
+  constexpr std::uint32_t kLast = 0x7FFFFFFF;
+  constexpr std::uint32_t kInGroup = 4096;
+  for (const auto id_of : std::initializer_list<std::uint32_t (*)(unsigned)>{
+           [](unsigned i) { return kLast / kInGroup / 32 * i * kInGroup; },
+           [](unsigned i) { return kLast - i * kInGroup; },
+           [](unsigned i) { return kLast - (31 - i) * kInGroup; },
+           [](unsigned i) { return kLast >> i; },
+           [](unsigned i) { return kLast >> (31 - i); }}) {
+    for (unsigned i = 0; i < 2 * kCount; ++i) {
+      const std::uint32_t id = id_of(i);
+      std::memcpy(&bytes[64 + sizeof(id) * i], &id, sizeof(id));
+    }
+    const std::size_t most = 2200 * bytes.size() + 4'000'000;
+    CountingMemory memory;
+    BroadPhaseOptions options;
+    options.memory = memory.resource();
+    Bodies loaded(options);
+    loaded.Load(bytes);
+    EXPECT_LT(memory.allocated_bytes, most);
+    EXPECT_LT(Bodies(loaded).Statistics().bytes, most);
+  }
 }
 
 // The operators of the classes that callers see.
