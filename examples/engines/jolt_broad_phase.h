@@ -48,6 +48,19 @@ class BroadPhaseHalfspace final : public BroadPhase {
   using Box = halfspace::Aabb3;
   using LayerFilter = BroadPhaseLayerFilter;
 
+  // The function of a cast.
+  template <typename Collector>
+  auto OnHit(Collector& hits, const ObjectLayerFilter& objects) const {
+    return [&](Id id, float fraction) {
+      const InFunction in_function;
+      const BodyID body = Wanted(id, objects);
+      if (!body.IsInvalid()) hits.AddHit({body, fraction});
+      return halfspace::Limit{hits.ShouldEarlyOut()
+                                  ? -1
+                                  : std::max(0.0f, hits.GetEarlyOutFraction())};
+    };
+  }
+
  public:
   JPH_OVERRIDE_NEW_DELETE
 
@@ -296,19 +309,6 @@ class BroadPhaseHalfspace final : public BroadPhase {
       ids.push_back(active[i].GetIndex());
     }
     pairs_.Find(bodies_, ids, distance);
-  }
-
-  // The function of a cast.
-  template <typename Collector>
-  auto OnHit(Collector& hits, const ObjectLayerFilter& objects) const {
-    return [&](Id id, float fraction) {
-      const InFunction in_function;
-      const BodyID body = Wanted(id, objects);
-      if (!body.IsInvalid()) hits.AddHit({body, fraction});
-      return halfspace::Limit{hits.ShouldEarlyOut()
-                                  ? -1
-                                  : std::max(0.0f, hits.GetEarlyOutFraction())};
-    };
   }
 
   template <typename Query>
