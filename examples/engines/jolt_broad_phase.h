@@ -275,6 +275,12 @@ class BroadPhaseHalfspace final : public BroadPhase {
       std::lock_guard lock(changes_mutex_);
       changes.swap(changes_);
     }
+    Make(changes);
+    std::lock_guard lock(changes_mutex_);
+    has_changes_ = !changes_.empty();
+  }
+
+  void Make(const std::vector<Change>& changes) const {
     std::vector<Id> ids;
     std::vector<Box> bounds;
     std::vector<halfspace::BodyMasks> masks;
@@ -296,8 +302,6 @@ class BroadPhaseHalfspace final : public BroadPhase {
         for (const Id id : ids) --states_[id].queued;
       }
     }
-    std::lock_guard lock(changes_mutex_);
-    has_changes_ = !changes_.empty();
   }
 
   void FindPairs(float distance) const {
