@@ -171,7 +171,7 @@ class BVH(Searches):
         exact tree, whose float64 boxes are not stored either.
         """
         self._check_is_not_exact()
-        return memoryview(self._tree.blob())
+        return memoryview(self._tree.blob(False))
 
     def _check_is_not_exact(self) -> None:
         if self._tree.is_exact:
@@ -189,7 +189,7 @@ class BVH(Searches):
 
     def __reduce_ex__(self, protocol: Any) -> Tuple[Any, ...]:
         # Out of band if the pickler has a buffer_callback, and in band if not.
-        blob = memoryview(self._tree.blob())
+        blob = memoryview(self._tree.blob(True))
         data = pickle.PickleBuffer(blob) if protocol >= 5 else bytes(blob)
         doubles = (self._tree.doubles(),) if self._tree.is_exact else ()
         return _unpickle, (type(self), data, *doubles), getattr(self, "__dict__", None)
@@ -456,6 +456,10 @@ class BVH(Searches):
         end of the block, the calls of other threads wait. Those of this thread do
         not. Blocks of one thread can be nested. Calls that waited go before the
         next block. Raises RuntimeError in a `progress` function of the same tree.
+
+        It also waits for pickles that other threads write, and for the buffers that
+        these gave to a `buffer_callback`: do not keep such buffers in this thread.
+        BufferError of a change means that somebody keeps a `blob`.
 
         In the block, do not wait for another thread that uses the tree. Threads
         that need the blocks of two trees, also for a `join` in a block, take them

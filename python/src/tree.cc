@@ -14,6 +14,7 @@
 #include <memory>
 #include <mutex>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -121,7 +122,7 @@ struct Tree {
   std::size_t owned = 0;             // how often
   bool owner_waits = false;          // for the calls that run
   std::size_t waiting = 0;           // calls that wait for the owner
-  std::size_t exports = 0;           // blobs that Python objects refer to
+  std::size_t exports = 0;           // blobs and pickles in use
   bool is_half_refitted = false;     // an exception ended Refit()
   std::size_t changes = 0;           // so far
 
@@ -268,10 +269,16 @@ void Disown(Tree& tree) {
   TheWaiters().WakeAll();
 }
 
+[[noreturn]] void ThrowInUse() {
+  throw py::buffer_error(
+      "the blob of this BVH is in use: release it before you change the BVH");
+}
+
 // Makes all other threads wait, and waits for the calls that run now.
 void Own(Tree& tree) {
   const unsigned long self = PyThread_get_thread_ident();
   if (tree.IsUsedBy(self)) {
+    if (tree.exports > 0) ThrowInUse();
     throw std::runtime_error(
         "changing() was called inside of a call of the same BVH");
   }
@@ -311,14 +318,11 @@ struct Changing {
 template <typename Function>
 void Change(Tree& tree, const Function& change, bool is_refit = false) {
   WaitUntilOpen(tree);
+  if (tree.exports > 0) ThrowInUse();
   if (!tree.users.empty()) {
     throw std::runtime_error(
         "another call is using this BVH: wait until it has finished before "
         "you change the BVH, or change it in `with tree.changing():`");
-  }
-  if (tree.exports > 0) {
-    throw py::buffer_error(
-        "the blob of this BVH is in use: release it before you change the BVH");
   }
   const Reading reading(tree, is_refit);
   tree.is_changing = true;
@@ -489,21 +493,37 @@ std::unique_ptr<Tree> FromBlob(
   return tree;
 }
 
+// What an array of a tree's bytes keeps alive. That of a pickle is a call of
+// the thread that made it, for which changing() waits: the pickler reads the
+// bytes after the call that returned them.
+struct Export {
+  explicit Export(const py::object& its_owner)
+      : owner(its_owner), tree(its_owner.cast<Tree&>()), reading(tree) {
+    ++tree.exports;
+  }
+  Export(const Export&) = delete;
+  ~Export() { --tree.exports; }
+
+  py::object owner;
+  Tree& tree;
+  std::optional<Reading> reading;
+};
+
 // The bytes of a tree as an array. A tree with such an array refuses changes.
-py::array BlobOf(const py::object& object) {
-  auto& tree = object.cast<Tree&>();
-  const Reading reading(tree);
+py::array BlobOf(const py::object& object, bool is_pickle) {
+  auto its = std::make_unique<Export>(object);
+  Tree& tree = its->tree;
   const void* data = nullptr;
   std::size_t size = 0;
   {
     const py::gil_scoped_release release;
     Check(hs_bvh_blob(tree.get(), &data, &size));
   }
-  const py::capsule owner(new py::object(object), [](void* of) {
-    const std::unique_ptr<py::object> its(static_cast<py::object*>(of));
-    --its->cast<Tree&>().exports;
+  if (!is_pickle) its->reading.reset();
+  const py::capsule owner(its.get(), [](void* of) {
+    const std::unique_ptr<Export> no_longer(static_cast<Export*>(of));
   });
-  ++tree.exports;
+  its.release();  // the capsule has it
   py::array_t<std::uint8_t> bytes(
       Size(size), static_cast<const std::uint8_t*>(data), owner);
   bytes.attr("setflags")(false);  // not to be written
