@@ -39,6 +39,10 @@ class Table(NamedTuple):
         arrays = tuple(a[begin:end] for a in self.arrays)
         return Table(arrays, arrays[0].shape[0], False)
 
+    def minus(self, origin: np.ndarray) -> "Table":
+        """The rows less one row of float64."""
+        return self._replace(arrays=(np.concatenate(self.arrays, axis=1) - origin,))
+
 
 def boxes(
     value: Any,
@@ -222,8 +226,8 @@ def vertices(value: Any, name: str) -> np.ndarray:
     return table.arrays[0]
 
 
-def triangles(value: Any, least: int) -> Arrays:
-    """At least so many triangles, as 9 columns of float32."""
+def triangles(value: Any, least: int) -> Table:
+    """At least so many triangles, as 9 columns."""
     array = numbers(value, "triangles")
     _check_shape(array.shape[1:] == (3, 3), array, "triangles", "shape (n, 3, 3)")
     if len(array) < least:
@@ -231,7 +235,7 @@ def triangles(value: Any, least: int) -> Arrays:
             f"triangles: expected one for each of the ids up to {least - 1}, got "
             f"{len(array)}"
         )
-    return floats(_without_nan(array.reshape(-1, 9), "triangles").arrays)
+    return _without_nan(array.reshape(-1, 9), "triangles")
 
 
 def faces(value: Any, name: str, count: int) -> np.ndarray:
