@@ -76,8 +76,8 @@ class CountingMemory {
   std::size_t blocks = 0;       // that were not given back
   std::size_t allocations = 0;
   std::size_t allocated_bytes = 0;  // by all allocations
-  int fill = 0;           // the bytes of a new block
-  std::size_t shift = 0;  // bytes that blocks lie off their alignment
+  int fill = 0;                     // the bytes of a new block
+  std::size_t shift = 0;            // bytes that blocks lie off their alignment
 
  private:
   static constexpr std::size_t kAlignment = 64;
