@@ -13,6 +13,10 @@ for file in "$@"; do
     sign=-1
     continue
   fi
+  if [ ! -f "$file" ]; then
+    echo "$file was not built"
+    exit 1
+  fi
   code=$((code + sign * $("$size" --totals "$file" | awk 'END { print $1 }')))
 done
 echo "$code bytes of code in $1, of $most at most"
