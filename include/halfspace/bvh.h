@@ -73,10 +73,12 @@ enum class BuildQuality : std::uint8_t {
   // Splits at medians of the widest axis. O(n log n), about as long as the bulk
   // load of an R-tree.
   kHigh,
-  // Sorts along a Hilbert curve. O(n), about a fifth of the time. Queries take
-  // up to 1.4 times as long as with kHigh. The curve has 1024 cells for each of
-  // 3 axes. They cover the region of most objects, and objects outside it share
-  // the outermost cells.
+  // Sorts along a Hilbert curve. O(n), about a fifth of the time. Queries of
+  // objects that are spread evenly take up to 1.4 times as long as with kHigh.
+  // Queries of uneven worlds take 2 to 4 times as long, and up to 390 times if
+  // nearly all objects share a few cells of the curve (docs/bvh.md). The curve
+  // has 1024 cells for each of 3 axes. They cover the region of most objects,
+  // and objects outside it share the outermost cells.
   kFast,
 };
 
@@ -294,9 +296,10 @@ class Bvh {
   // The world sorts itself as it grows: the newest objects after every 256 at
   // the end, and all objects when half as many were inserted as the world had
   // when it was last sorted. A query of a world that was filled by Insert()
-  // takes about twice as long as after Rebuild(). An insertion takes 1 to 2 us
-  // on average, but a single one can take as long as Rebuild(). If there is no
-  // memory to sort with, the objects stay unsorted until the next insertion.
+  // takes up to 4.3 times as long as after Rebuild() (docs/bvh.md). An
+  // insertion takes 1 to 2 us on average, but a single one can take as long as
+  // Rebuild(). If there is no memory to sort with, the objects stay unsorted
+  // until the next insertion.
   std::uint32_t Insert(const Bound& bound) {
     return tree_.Insert(detail::Planes(bound));
   }
@@ -589,12 +592,13 @@ void ForEachSurvivor(const Bvh<View>& world, const Query& query,
 }
 
 // Survivors() of several queries. The queries walk the tree together, 64 at a
-// time, which hides the latency of memory and the cost of a call: it takes 0.6
-// to 1 times as long as one call per query. If the tree is larger than the
-// cache, sort the queries along a curve: those that are near each other then
-// find in the cache what the ones before them read. In trees of 10^6 and
-// 4 * 10^6 boxes, queries in such an order take about half of the time, here
-// and in CountSurvivorsOfEach() and KNearestOfEach().
+// time, which hides the latency of memory and the cost of a call. In uniform
+// worlds it takes 0.6 to 1 times as long as one call per query, in clusters,
+// meshes and worlds with outliers up to 1.25 times (docs/bvh.md). If the tree
+// is larger than the cache, sort the queries along a curve: those that are near
+// each other then find in the cache what the ones before them read. In trees of
+// 10^6 and 4 * 10^6 boxes, queries in such an order take about half of the
+// time, here and in CountSurvivorsOfEach() and KNearestOfEach().
 //   ids      receives the ids of all queries, one query after another
 //   offsets  `offsets.size()` must be at least `queries.size() + 1`. The ids of
 //            queries[q] are ids[offsets[q]] ... ids[offsets[q + 1] - 1].
