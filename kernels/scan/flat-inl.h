@@ -57,99 +57,84 @@ QueryValues<T> ValuesOf(const detail::Scan& scan, const T* query) {
   return {query + scan.type->first_max, query};
 }
 
-// The last, partial word, from object i on. A function of its own, because
-// calls on short ranges need no other.
+// These are functions, because gcc does not inline lambdas of their size.
+
+// Writes the words of the first `count` objects.
+template <size_t kMins, class D, class Load, typename T, class... V>
+HWY_INLINE void WriteWords(D d, Load load, const T* const* planes, size_t count,
+                           uint64_t* row, V... query) {
+  size_t i = 0;
+  for (; i + kWordObjects <= count; i += kWordObjects) {
+    *row++ = KeptBits<kMins>(d, load, planes, i, query...);
+  }
+  if (i == count) return;
+  *row = KeptTail<kMins>(d, planes, i, count - i, i, query...);
+}
+template <size_t kMins, class D, class Load, typename T, size_t... kPlane>
+HWY_INLINE void WriteWords(std::index_sequence<kPlane...>, D d, Load load,
+                           const T* const* planes, QueryValues<T> query,
+                           size_t first, size_t count, uint64_t* row) {
+  // Local copies, because the compiler would load what it finds by a pointer
+  // again after every store of a word.
+  const T* copies[] = {planes[kPlane] + first...};
+  WriteWords<kMins>(d, load, copies, count, row,
+                    hn::Set(d, query.template Of<kMins>(kPlane))...);
+}
+template <size_t kMins, class D, typename T, size_t... kPlane>
+HWY_INLINE uint64_t TailWord(std::index_sequence<kPlane...>, D d,
+                             const T* const* planes, QueryValues<T> query,
+                             size_t i, size_t count) {
+  const T* copies[] = {planes[kPlane] + i...};
+  return KeptTail<kMins>(d, copies, 0, count, 0,
+                         hn::Set(d, query.template Of<kMins>(kPlane))...);
+}
+
+// The words of objects first ... first + count - 1, on the first kMins + kMaxs
+// planes.
+template <size_t kMins, size_t kMaxs, class D, typename T>
+HWY_NOINLINE void FlatWords(const T* const* planes, QueryValues<T> query,
+                            size_t first, size_t count,
+                            uint64_t* row) noexcept {
+  constexpr std::make_index_sequence<kMins + kMaxs> kEach;
+  if constexpr (kAlignedLoadsPay && std::is_same_v<T, float>) {
+    uintptr_t addresses = first * sizeof(T);
+    for (size_t p = 0; p < kMins + kMaxs; ++p) {
+      addresses |= reinterpret_cast<uintptr_t>(planes[p]);
+    }
+    if (addresses % 64 == 0) {
+      return WriteWords<kMins>(kEach, D(), LoadAligned(), planes, query, first,
+                               count, row);
+    }
+  }
+  WriteWords<kMins>(kEach, D(), LoadAll(), planes, query, first, count, row);
+}
+
+// The last, partial word of a row, or a few objects, from object i on. A
+// function of its own, because the other needs more registers.
 template <size_t kMins, size_t kMaxs, typename T>
 HWY_NOINLINE void FlatTail(const T* const* planes, QueryValues<T> query,
                            size_t i, size_t count, uint64_t* word) noexcept {
-  const WordTag<T> d;
-  const auto test = [&]<size_t... kPlane>(std::index_sequence<kPlane...>)
-      HWY_ATTR {
-    const T* copies[] = {planes[kPlane]...};
-    *word = KeptTail<kMins>(d, copies, i, count,
-                            hn::Set(d, query.template Of<kMins>(kPlane))...);
-  };
-  test(std::make_index_sequence<kMins + kMaxs>());
-}
-
-#if HALFSPACE_MASKED_COMPARES
-
-// One whole word, with vectors of 512 bits. A call on 64 objects takes 2.2 to
-// 3.2 ns less than with 256 (Zen 5), because four masks become a word sooner
-// than eight vectors of verdicts.
-template <size_t kMins, size_t kMaxs, typename T>
-HWY_NOINLINE void FlatWord(const T* const* planes, QueryValues<T> query,
-                           size_t first, uint64_t* word) noexcept {
-  const WordTag<T> d;
-  const auto test = [&]<size_t... kPlane>(std::index_sequence<kPlane...>)
-      HWY_ATTR {
-    const T* copies[] = {planes[kPlane]...};
-    *word = KeptBits<kMins>(d, LoadAll(), copies, first,
-                            hn::Set(d, query.template Of<kMins>(kPlane))...);
-  };
-  test(std::make_index_sequence<kMins + kMaxs>());
-}
-
-#endif  // HALFSPACE_MASKED_COMPARES
-
-// The first words * 64 objects from `first` on, at least 64. A function of its
-// own, like FlatTail: what the other needs would take registers.
-template <size_t kMins, size_t kMaxs, class D, typename T>
-HWY_NOINLINE void FlatWords(const T* const* planes, QueryValues<T> query,
-                            size_t first, size_t words,
-                            uint64_t* row) noexcept {
-  uintptr_t addresses = first * sizeof(T);
-  for (size_t p = 0; kAlignedLoadsPay && p < kMins + kMaxs; ++p) {
-    addresses |= reinterpret_cast<uintptr_t>(planes[p]);
-  }
-  WithLoad<T>(addresses, [&](auto load) HWY_ATTR {
-    const D d;
-    const auto write = [&](const T* const* copies, auto... compared) HWY_ATTR {
-      for (size_t w = 0; w < words; ++w) {
-        row[w] = KeptBits<kMins>(d, load, copies, first + w * kWordObjects,
-                                 compared...);
-      }
-    };
-    const auto test = [&]<size_t... kPlane>(std::index_sequence<kPlane...>)
-        HWY_ATTR {
-      // Local copies, because the compiler would load what it finds by a
-      // pointer again after every store of a word.
-      const T* copies[] = {planes[kPlane]...};
-      write(copies, hn::Set(d, query.template Of<kMins>(kPlane))...);
-    };
-    test(std::make_index_sequence<kMins + kMaxs>());
-  });
-}
-
-// Both, for more than 64 objects.
-template <size_t kMins, size_t kMaxs, class D, typename T>
-HWY_NOINLINE void FlatWordsAndTail(const T* const* planes, QueryValues<T> query,
-                                   size_t first, size_t count,
-                                   uint64_t* row) noexcept {
-  const size_t words = count / kWordObjects;
-  FlatWords<kMins, kMaxs, D>(planes, query, first, words, row);
-  FlatTail<kMins, kMaxs>(planes, query, first + words * kWordObjects,
-                         count % kWordObjects, row + words);
+  *word = TailWord<kMins>(std::make_index_sequence<kMins + kMaxs>(),
+                          WordTag<T>(), planes, query, i, count);
 }
 
 // A MaskKernel (kernel_table.h). It ends by a jump to another function, so it
-// saves no registers.
+// saves no registers. Up to one word is tested by vectors of 512 bits, if the
+// target has them: a call on 64 objects takes 2.2 to 3.2 ns less than with 256
+// (Zen 5), because four masks become a word sooner than eight vectors of
+// verdicts.
 template <size_t kMins, size_t kMaxs, class D>
 HWY_NOINLINE void FlatMask(const void* pointers, size_t first, size_t count,
                            const void* values, uint64_t* row) noexcept {
   using T = hn::TFromD<D>;
   const T* const* planes = static_cast<const T* const*>(pointers);
   const auto query = ValuesOf<kMins, kMaxs>(static_cast<const T*>(values));
-  if (count - 1 < kWordObjects - 1) {  // not of 0 objects
+  if (count < kWordObjects) {
     FlatTail<kMins, kMaxs>(planes, query, first, count, row);
-#if HALFSPACE_MASKED_COMPARES
   } else if (count == kWordObjects) {
-    FlatWord<kMins, kMaxs>(planes, query, first, row);
-#endif
-  } else if (count % kWordObjects == 0) {
-    FlatWords<kMins, kMaxs, D>(planes, query, first, count / kWordObjects, row);
+    FlatWords<kMins, kMaxs, WordTag<T>>(planes, query, first, count, row);
   } else {
-    FlatWordsAndTail<kMins, kMaxs, D>(planes, query, first, count, row);
+    FlatWords<kMins, kMaxs, D>(planes, query, first, count, row);
   }
 }
 

@@ -47,16 +47,20 @@ struct LoadAligned {
   }
 };
 
-#if HWY_MEM_OPS_MIGHT_FAULT
+// AVX2's masked loads of floats and doubles never fault, and read nothing
+// outside of their mask. Highway's macro is about its other types.
+template <typename T>
+inline constexpr bool kMaskedLoadsAreSafe = HWY_MEM_OPS_MIGHT_FAULT == 0 ||
+                                            (HWY_TARGET == HWY_AVX2 &&
+                                             std::is_floating_point_v<T>);
+
 // Copies the first `count` of some lanes, and clears the others. Not inlined: a
 // kernel would have a copy for each plane.
 template <typename T>
-static HWY_NOINLINE void CopyFirst(const T* from, size_t count, size_t lanes,
-                                   T* to) {
+HWY_NOINLINE void CopyFirst(const T* from, size_t count, size_t lanes, T* to) {
   for (size_t i = 0; i < count; ++i) to[i] = from[i];
   for (size_t i = count; i < lanes; ++i) to[i] = T{};
 }
-#endif
 
 // Loads the first `count` lanes and reads nothing past them; the others are
 // unspecified. 0 < count < lanes.
@@ -65,13 +69,22 @@ struct LoadFirst {
 
   template <class D, typename T>
   HWY_INLINE hn::Vec<D> operator()(D d, const T* from) const {
-#if HWY_MEM_OPS_MIGHT_FAULT
-    HWY_ALIGN T copy[HWY_MAX_BYTES / sizeof(T)];
-    CopyFirst(from, count, hn::Lanes(d), copy);
-    return hn::Load(d, copy);
-#else
-    return hn::MaskedLoad(hn::FirstN(d, count), d, from);
+    if constexpr (kMaskedLoadsAreSafe<T>) {
+      return hn::MaskedLoad(hn::FirstN(d, count), d, from);
+    } else if constexpr (hn::MaxLanes(D()) == 2) {
+      return hn::Set(d, from[0]);
+#if HWY_TARGET != HWY_SCALAR  // which lacks InterleaveLower
+    } else if constexpr (hn::MaxLanes(D()) == 4) {
+      // The last element again where there are fewer than three.
+      const auto even = hn::InterleaveLower(d, hn::Set(d, from[0]),
+                                            hn::Set(d, from[count - 1]));
+      return hn::InterleaveLower(d, even, hn::Set(d, from[count / 2]));
 #endif
+    } else {
+      HWY_ALIGN T copy[hn::MaxLanes(D())];
+      CopyFirst(from, count, hn::Lanes(d), copy);
+      return hn::Load(d, copy);
+    }
   }
 };
 

@@ -151,40 +151,42 @@ HWY_INLINE uint64_t KeptBits(D d, Load load, const T* const* planes, size_t i,
   return kVerdictIsKept<D> ? bits : bits ^ kLowBits<kObjects>;
 }
 
-// The last word: `count` objects from i on, 0 < count < 64. Nothing past them
-// is read, and bits past them are 0.
+// The last word: `count` objects from i on, 0 < count < 64. Of the objects
+// around them only `before` others may be read, those right before. Bits past
+// the last object are 0.
 template <size_t kMins, class D, typename T, class... V>
 HWY_INLINE uint64_t KeptTail(D d, const T* const* planes, size_t i,
-                             size_t count, V... query) {
+                             size_t count, size_t before, V... query) {
   const size_t lanes = hn::Lanes(d);
+  constexpr std::index_sequence<0> kOne;
   uint64_t bits = 0;
-#if HWY_MEM_OPS_MIGHT_FAULT
-  if (count >= lanes) {
-    // The last vector tests some objects of the one before again: a copy of
-    // each plane takes longer.
-    for (size_t l = 0;; l = HWY_MIN(l + lanes, count - lanes)) {
-      bits |=
-          VerdictBits(d, Verdict<kMins>(d, LoadAll(), planes, i + l, query...))
-          << l;
-      if (l + lanes == count) break;
-    }
-  } else {
-    const LoadFirst load{count};
-    bits = VerdictBits(d, Verdict<kMins>(d, load, planes, i, query...));
-  }
-#else
   size_t l = 0;
-  for (; l + lanes <= count; l += lanes) {
-    bits |=
-        VerdictBits(d, Verdict<kMins>(d, LoadAll(), planes, i + l, query...))
-        << l;
+#if HWY_MEM_OPS_MIGHT_FAULT
+  if constexpr (hn::MaxLanes(D()) <= 4) {
+    // Groups of 16 take fewer instructions than vectors of 4.
+    for (; l + 16 <= count; l += 16) {
+      const uint64_t kept =
+          KeptBits<kMins, 16>(d, LoadAll(), planes, i + l, query...);
+      bits |= (kept ^ kLowBits<16>) << l;
+    }
   }
-  if (l < count) {
-    const LoadFirst load{count - l};
-    bits |= VerdictBits(d, Verdict<kMins>(d, load, planes, i + l, query...))
-            << l;
+  for (; l + lanes <= count; l += lanes) {
+    bits |= VectorBits<kMins>(kOne, d, LoadAll(), planes, i + l, query...) << l;
+  }
+  if (l < count && before + count >= lanes) {
+    // The last vector begins as many objects earlier as it lacks, and tests
+    // these again.
+    const size_t lacks = l + lanes - count;
+    bits |= VectorBits<kMins>(kOne, d, LoadAll(), planes, i + l - lacks,
+                              query...) >>
+            lacks << l;
+    l = count;
   }
 #endif
+  for (; l < count; l += lanes) {
+    const LoadFirst load{(count - l) % kWordObjects};
+    bits |= VectorBits<kMins>(kOne, d, load, planes, i + l, query...) << l;
+  }
   if (!kVerdictIsKept<D>) bits = ~bits;
   return bits & ~(~uint64_t{0} << count);
 }
