@@ -73,12 +73,16 @@ struct LoadFirst {
       return hn::MaskedLoad(hn::FirstN(d, count), d, from);
     } else if constexpr (hn::MaxLanes(D()) == 2) {
       return hn::Set(d, from[0]);
-#if HWY_TARGET != HWY_SCALAR  // which lacks InterleaveLower
+#if HWY_TARGET != HWY_SCALAR  // which has no halves
     } else if constexpr (hn::MaxLanes(D()) == 4) {
       // The last element again where there are fewer than three.
-      const auto even = hn::InterleaveLower(d, hn::Set(d, from[0]),
-                                            hn::Set(d, from[count - 1]));
-      return hn::InterleaveLower(d, even, hn::Set(d, from[count / 2]));
+      const hn::Half<D> d2;
+      const hn::Half<decltype(d2)> d1;
+      const auto first = hn::LoadU(d1, from);
+      const auto second = hn::LoadU(d1, from + count / 2);
+      const auto last = hn::LoadU(d1, from + count - 1);
+      return hn::Combine(d, hn::ZeroExtendVector(d2, last),
+                         hn::Combine(d2, second, first));
 #endif
     } else {
       HWY_ALIGN T copy[hn::MaxLanes(D())];

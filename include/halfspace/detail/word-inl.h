@@ -180,13 +180,16 @@ HWY_INLINE uint64_t KeptTail(D d, const T* const* planes, size_t i,
     bits |= VectorBits<kMins>(kOne, d, LoadAll(), planes, i + l - lacks,
                               query...) >>
             lacks << l;
-    l = count;
+  } else if (l < count) {
+    const LoadFirst load{count};
+    bits = VectorBits<kMins>(kOne, d, load, planes, i, query...);
   }
-#endif
+#else
   for (; l < count; l += lanes) {
     const LoadFirst load{(count - l) % kWordObjects};
     bits |= VectorBits<kMins>(kOne, d, load, planes, i + l, query...) << l;
   }
+#endif
   if (!kVerdictIsKept<D>) bits = ~bits;
   return bits & ~(~uint64_t{0} << count);
 }
