@@ -68,7 +68,7 @@ HWY_INLINE void WriteWords(D d, Load load, const T* const* planes, size_t count,
     *row++ = KeptBits<kMins>(d, load, planes, i, query...);
   }
   if (i == count) return;
-  *row = KeptTail<kMins>(d, planes, i, count - i, i, query...);
+  *row = KeptTail<kMins>(d, planes, 0, i, count, query...);
 }
 template <size_t kMins, class D, class Load, typename T, size_t... kPlane>
 HWY_INLINE void WriteWords(std::index_sequence<kPlane...>, D d, Load load,
@@ -85,7 +85,7 @@ HWY_INLINE uint64_t TailWord(std::index_sequence<kPlane...>, D d,
                              const T* const* planes, QueryValues<T> query,
                              size_t i, size_t count) {
   const T* copies[] = {planes[kPlane] + i...};
-  return KeptTail<kMins>(d, copies, 0, count, 0,
+  return KeptTail<kMins>(d, copies, 0, 0, count,
                          hn::Set(d, query.template Of<kMins>(kPlane))...);
 }
 

@@ -151,47 +151,40 @@ HWY_INLINE uint64_t KeptBits(D d, Load load, const T* const* planes, size_t i,
   return kVerdictIsKept<D> ? bits : bits ^ kLowBits<kObjects>;
 }
 
-// The last word: `count` objects from i on, 0 < count < 64. Of the objects
-// around them only `before` others may be read, those right before. Bits past
-// the last object are 0.
+// The last word: objects i ... end - 1, at least one and fewer than 64. Only
+// objects first ... end - 1 are read, and bits past the last one are 0.
 template <size_t kMins, class D, typename T, class... V>
-HWY_INLINE uint64_t KeptTail(D d, const T* const* planes, size_t i,
-                             size_t count, size_t before, V... query) {
-  const size_t lanes = hn::Lanes(d);
+HWY_INLINE uint64_t KeptTail(D d, const T* const* planes, size_t first,
+                             size_t i, size_t end, V... query) {
   constexpr std::index_sequence<0> kOne;
+  const size_t lanes = hn::Lanes(d);
+  const uint64_t past_end = ~uint64_t{0} << (end - i);
   uint64_t bits = 0;
   size_t l = 0;
-#if HWY_MEM_OPS_MIGHT_FAULT
   if constexpr (hn::MaxLanes(D()) <= 4) {
     // Groups of 16 take fewer instructions than vectors of 4.
-    for (; l + 16 <= count; l += 16) {
+    for (; i + 16 <= end; i += 16, l += 16) {
       const uint64_t kept =
-          KeptBits<kMins, 16>(d, LoadAll(), planes, i + l, query...);
+          KeptBits<kMins, 16>(d, LoadAll(), planes, i, query...);
       bits |= (kept ^ kLowBits<16>) << l;
     }
   }
-  for (; l + lanes <= count; l += lanes) {
-    bits |= VectorBits<kMins>(kOne, d, LoadAll(), planes, i + l, query...) << l;
+  for (; i + lanes <= end; i += lanes, l += lanes) {
+    bits |= VectorBits<kMins>(kOne, d, LoadAll(), planes, i, query...) << l;
   }
-  if (l < count && before + count >= lanes) {
+  if (HWY_MEM_OPS_MIGHT_FAULT && i < end && first + lanes <= end) {
     // The last vector begins as many objects earlier as it lacks, and tests
     // these again.
-    const size_t lacks = l + lanes - count;
-    bits |= VectorBits<kMins>(kOne, d, LoadAll(), planes, i + l - lacks,
-                              query...) >>
-            lacks << l;
-  } else if (l < count) {
-    const LoadFirst load{count};
-    bits = VectorBits<kMins>(kOne, d, load, planes, i, query...);
+    const size_t lacks = i + lanes - end;
+    bits |=
+        VectorBits<kMins>(kOne, d, LoadAll(), planes, i - lacks, query...) >>
+        lacks << l;
+  } else if (i < end) {
+    const LoadFirst load{(end - i) % kWordObjects};
+    bits |= VectorBits<kMins>(kOne, d, load, planes, i, query...) << l;
   }
-#else
-  for (; l < count; l += lanes) {
-    const LoadFirst load{(count - l) % kWordObjects};
-    bits |= VectorBits<kMins>(kOne, d, load, planes, i + l, query...) << l;
-  }
-#endif
   if (!kVerdictIsKept<D>) bits = ~bits;
-  return bits & ~(~uint64_t{0} << count);
+  return bits & ~past_end;
 }
 
 }  // namespace HWY_NAMESPACE
