@@ -129,7 +129,7 @@ HWY_NOINLINE void FlatMask(const void* pointers, size_t first, size_t count,
   using T = hn::TFromD<D>;
   const T* const* planes = static_cast<const T* const*>(pointers);
   const auto query = ValuesOf<kMins, kMaxs>(static_cast<const T*>(values));
-  if (count < kWordObjects) {
+  if (count - 1 < kWordObjects - 1) {  // not of 0 objects
     FlatTail<kMins, kMaxs>(planes, query, first, count, row);
   } else if (count == kWordObjects) {
     FlatWords<kMins, kMaxs, WordTag<T>>(planes, query, first, count, row);
