@@ -34,12 +34,9 @@ inline void WriteMask(Scan& scan, Span<std::uint64_t> mask,
   if (scan.type->encode != nullptr) {
     dispatch::ChooseKernel(scan, options);
     WriteQuantizedMask(scan, mask.data());
-  } else if (dispatch::IsFlat(scan, options)) {
-    dispatch::WriteFlatMask(scan, mask.data());
   } else {
     // Without chunks, a small call costs little more than its kernel.
-    dispatch::ChooseKernel(scan, options);
-    dispatch::Run(scan, dispatch::WholeRange(scan, mask.data()));
+    dispatch::WriteWords(scan, options, mask.data());
   }
   if (flip != 0) dispatch::Flip(mask.data(), MaskWords(scan.end - scan.begin));
 }

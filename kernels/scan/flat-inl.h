@@ -124,8 +124,8 @@ HWY_NOINLINE void FlatTail(const T* const* planes, QueryValues<T> query,
 // (Zen 5), because four masks become a word sooner than eight vectors of
 // verdicts.
 template <size_t kMins, size_t kMaxs, class D>
-HWY_NOINLINE void FlatMask(const void* pointers, size_t first, size_t count,
-                           const void* values, uint64_t* row) noexcept {
+HWY_INLINE void FlatMask(const void* pointers, size_t first, size_t count,
+                         const void* values, uint64_t* row) noexcept {
   using T = hn::TFromD<D>;
   const T* const* planes = static_cast<const T* const*>(pointers);
   const auto query = ValuesOf<kMins, kMaxs>(static_cast<const T*>(values));
