@@ -229,7 +229,9 @@ bool ForEachChunk(const Scan& scan, const Test& test) {
                         .query_count = std::min(kMostQueries, block - q),
                         .queries = queries + q * type.record_bytes,
                         .begin = begin,
-                        .end = end})) {
+                        .end = end,
+                        .rows = nullptr,
+                        .stride = 0})) {
           return false;
         }
       }
@@ -249,7 +251,7 @@ bool ForEachChunk(const Scan& scan, const Test& test) {
 template <typename Queries, typename Place, typename Visit>
 void VisitChunks(const Scan& scan, Place& place, const Visit& visit) {
   Tested chunks[2];
-  Tested* last = nullptr;  // waits to be refined
+  Tested* last = nullptr;  // the chunk that waits to be refined, or null
   const auto refine = [&](Tested* tested) {
     if (tested == nullptr) return true;
     Refine(scan, *tested);
@@ -298,18 +300,14 @@ template <typename Queries, typename Visit>
 HALFSPACE_ALWAYS_INLINE void VisitWords(Scan& scan, const Options& options,
                                         const Visit& visit) {
   if constexpr (Queries::kOneRow != 0) {
-    if (IsShort(scan)) {
-      std::uint64_t word;
-      WriteFewWords(scan, &word);
-      visit(OneRow(scan, &word, word != 0));
-      return;
-    }
     const std::size_t objects = scan.end - scan.begin;
     if (objects <= Queries::kOneRow && scan.type->encode == nullptr) {
       std::uint64_t words[Queries::kOneRow / 64];
       WriteWords(scan, options, words);
+      const std::size_t count = MaskWords(objects);
       visit(OneRow(scan, words,
-                   scan.kernels->nonzero_words(words, MaskWords(objects))));
+                   count == 1 ? words[0] != 0
+                              : scan.kernels->nonzero_words(words, count)));
       return;
     }
   }

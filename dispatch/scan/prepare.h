@@ -199,11 +199,6 @@ inline void WriteWords(detail::Scan& scan, const Options& options,
   }
 }
 
-// A range of fewer than 64 floats or doubles is one word.
-inline bool IsShort(const detail::Scan& scan) {
-  return scan.end - scan.begin - 1 < 63 && scan.type->encode == nullptr;
-}
-
 }  // namespace halfspace::dispatch
 
 #endif  // HALFSPACE_DISPATCH_SCAN_PREPARE_H_

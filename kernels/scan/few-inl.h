@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <utility>
 
 #include "hwy/highway.h"
@@ -38,11 +39,11 @@ inline constexpr size_t kStageGroup =
 // that have a survivor. Which groups these are cannot be predicted, so there is
 // one loop over them. The first `done` words are already tested on axis 0.
 template <size_t kAxes, class D, typename T, size_t... kFirst, size_t... kLast>
-HWY_INLINE void TwoStages(std::index_sequence<kFirst...>,
-                          std::index_sequence<kLast...>, D d,
-                          const T* const* planes, QueryValues<T> query,
-                          size_t begin, size_t done, size_t words,
-                          uint64_t* HWY_RESTRICT row) {
+HWY_NOINLINE void TwoStages(std::index_sequence<kFirst...>,
+                            std::index_sequence<kLast...>, D d,
+                            const T* const* planes, QueryValues<T> query,
+                            size_t begin, size_t done, size_t words,
+                            uint64_t* HWY_RESTRICT row) noexcept {
   constexpr size_t kAfter = sizeof...(kFirst);
   constexpr size_t kGroup = kStageGroup<D>;
   const T* first[] = {planes[kFirst] + begin...,
@@ -61,14 +62,6 @@ HWY_INLINE void TwoStages(std::index_sequence<kFirst...>,
         d, LoadAll(), last, i, hn::Set(d, query.max[kAfter + kLast])...,
         hn::Set(d, query.min[kAfter + kLast])...);
   });
-}
-template <size_t kAxes, size_t kFirst, class D, typename T>
-HWY_NOINLINE void TwoStages(const T* const* planes, QueryValues<T> query,
-                            size_t begin, size_t done, size_t words,
-                            uint64_t* row) noexcept {
-  TwoStages<kAxes>(std::make_index_sequence<kFirst>(),
-                   std::make_index_sequence<kAxes - kFirst>(), D(), planes,
-                   query, begin, done, words, row);
 }
 
 // At least one word. The groups of an eighth of the objects that have a
@@ -104,10 +97,13 @@ HWY_NOINLINE void SampledMask(const T* const* planes, size_t first,
     return;
   }
   if (16 * some <= kMostOfOneAxis * all) {
-    TwoStages<kAxes, 1, D>(planes, query, first, sample, words, row);
+    TwoStages<kAxes>(std::make_index_sequence<1>(),
+                     std::make_index_sequence<kAxes - 1>(), d, planes, query,
+                     first, sample, words, row);
   } else {
-    TwoStages<kAxes, kHalf, D>(planes, query, first, kHalf == 1 ? sample : 0,
-                               words, row);
+    TwoStages<kAxes>(std::make_index_sequence<kHalf>(),
+                     std::make_index_sequence<kAxes - kHalf>(), d, planes,
+                     query, first, 0, words, row);
   }
   if (count % kWordObjects != 0) {
     FlatTail<kAxes, kAxes>(planes, query, first + words * kWordObjects,
@@ -115,19 +111,21 @@ HWY_NOINLINE void SampledMask(const T* const* planes, size_t first,
   }
 }
 
-// A MaskKernel (kernel_table.h). With fewer words, stages cost more than they
-// save, and with more, the choice of Adaptive() is better.
+// A MaskKernel (kernel_table.h) for floats. With fewer words, stages cost more
+// than they save, and with more, the choice of Adaptive() is better.
 template <size_t kAxes, class D>
 HWY_NOINLINE void FewMask(const void* pointers, size_t first, size_t count,
                           const void* values, uint64_t* row) noexcept {
   using T = hn::TFromD<D>;
-  constexpr size_t kFewest = HWY_MIN(size_t{8}, hn::MaxLanes(D()));
-  if (count / kWordObjects - kFewest <= kMostFewWords - kFewest) {
-    SampledMask<kAxes, D>(static_cast<const T* const*>(pointers), first, count,
-                          static_cast<const T*>(values), row);
-  } else {
-    FlatMask<kAxes, kAxes, D>(pointers, first, count, values, row);
+  if constexpr (kHasVectors && std::is_same_v<T, float>) {
+    constexpr size_t kFewest = HWY_MIN(size_t{8}, hn::MaxLanes(D()));
+    if (count / kWordObjects - kFewest <= kMostFewWords - kFewest) {
+      SampledMask<kAxes, D>(static_cast<const T* const*>(pointers), first,
+                            count, static_cast<const T*>(values), row);
+      return;
+    }
   }
+  FlatMask<kAxes, kAxes, D>(pointers, first, count, values, row);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -26,19 +26,17 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Returns run(load), with aligned loads where it pays and `addresses`, the bits
-// of the first objects' in all planes, are those of aligned ones.
-template <typename T, class Run>
-HWY_INLINE auto WithLoad(uintptr_t addresses, const Run& run) {
-  if constexpr (kAlignedLoadsPay && std::is_same_v<T, float>) {
-    if (addresses % 64 == 0) return run(LoadAligned());
-  }
-  return run(LoadAll());
-}
+// Returns run(load), with aligned loads where it pays and all planes are
+// aligned at object `begin`.
 template <typename T, class Run>
 HWY_INLINE auto WithLoad(const detail::Scan& scan, size_t begin,
                          const Run& run) {
-  return WithLoad<T>(scan.addresses.bits | begin * sizeof(T), run);
+  if constexpr (kAlignedLoadsPay && std::is_same_v<T, float>) {
+    if ((scan.addresses.bits | begin * sizeof(T)) % 64 == 0) {
+      return run(LoadAligned());
+    }
+  }
+  return run(LoadAll());
 }
 
 // Returns run(tag), with the vectors for one query.
@@ -58,28 +56,9 @@ QueryValues<T> ValuesOf(const detail::Scan& scan, const T* query) {
 }
 
 // These are functions, because gcc does not inline lambdas of their size.
+// Pointers are copied, because the compiler would load what it finds by a
+// pointer again after every store of a word.
 
-// Writes the words of the first `count` objects.
-template <size_t kMins, class D, class Load, typename T, class... V>
-HWY_INLINE void WriteWords(D d, Load load, const T* const* planes, size_t count,
-                           uint64_t* row, V... query) {
-  size_t i = 0;
-  for (; i + kWordObjects <= count; i += kWordObjects) {
-    *row++ = KeptBits<kMins>(d, load, planes, i, query...);
-  }
-  if (i == count) return;
-  *row = KeptTail<kMins>(d, planes, 0, i, count, query...);
-}
-template <size_t kMins, class D, class Load, typename T, size_t... kPlane>
-HWY_INLINE void WriteWords(std::index_sequence<kPlane...>, D d, Load load,
-                           const T* const* planes, QueryValues<T> query,
-                           size_t first, size_t count, uint64_t* row) {
-  // Local copies, because the compiler would load what it finds by a pointer
-  // again after every store of a word.
-  const T* copies[] = {planes[kPlane] + first...};
-  WriteWords<kMins>(d, load, copies, count, row,
-                    hn::Set(d, query.template Of<kMins>(kPlane))...);
-}
 template <size_t kMins, class D, typename T, size_t... kPlane>
 HWY_INLINE uint64_t TailWord(std::index_sequence<kPlane...>, D d,
                              const T* const* planes, QueryValues<T> query,
@@ -89,33 +68,49 @@ HWY_INLINE uint64_t TailWord(std::index_sequence<kPlane...>, D d,
                          hn::Set(d, query.template Of<kMins>(kPlane))...);
 }
 
+// The last, partial word of a row, or a few objects, from object i on. A
+// function of its own, because FlatWords() needs more registers.
+template <size_t kMins, size_t kMaxs, typename T>
+HWY_NOINLINE void FlatTail(const T* const* planes, QueryValues<T> query,
+                           size_t i, size_t count, uint64_t* word) noexcept {
+  *word = TailWord<kMins>(std::make_index_sequence<kMins + kMaxs>(),
+                          WordTag<T>(), planes, query, i, count);
+}
+
+template <size_t kMins, class D, typename T, class... V>
+HWY_INLINE void WriteWords(D d, bool is_aligned, const T* const* planes,
+                           size_t count, uint64_t* row, V... query) {
+  size_t i = 0;
+  for (; is_aligned && i + kWordObjects <= count; i += kWordObjects) {
+    *row++ = KeptBits<kMins>(d, LoadAligned(), planes, i, query...);
+  }
+  for (; i + kWordObjects <= count; i += kWordObjects) {
+    *row++ = KeptBits<kMins>(d, LoadAll(), planes, i, query...);
+  }
+  if (i == count) return;
+  *row = KeptTail<kMins>(d, planes, 0, i, count, query...);
+}
+template <size_t kMins, class D, typename T, size_t... kPlane>
+HWY_INLINE void WriteWords(std::index_sequence<kPlane...>, D d,
+                           const T* const* planes, QueryValues<T> query,
+                           size_t first, size_t count, uint64_t* row) {
+  const T* copies[] = {planes[kPlane] + first...};
+  bool is_aligned = false;
+  if constexpr (kAlignedLoadsPay && std::is_same_v<T, float>) {
+    is_aligned = (... | reinterpret_cast<uintptr_t>(copies[kPlane])) % 64 == 0;
+  }
+  WriteWords<kMins>(d, is_aligned, copies, count, row,
+                    hn::Set(d, query.template Of<kMins>(kPlane))...);
+}
+
 // The words of objects first ... first + count - 1, on the first kMins + kMaxs
 // planes.
 template <size_t kMins, size_t kMaxs, class D, typename T>
 HWY_NOINLINE void FlatWords(const T* const* planes, QueryValues<T> query,
                             size_t first, size_t count,
                             uint64_t* row) noexcept {
-  constexpr std::make_index_sequence<kMins + kMaxs> kEach;
-  if constexpr (kAlignedLoadsPay && std::is_same_v<T, float>) {
-    uintptr_t addresses = first * sizeof(T);
-    for (size_t p = 0; p < kMins + kMaxs; ++p) {
-      addresses |= reinterpret_cast<uintptr_t>(planes[p]);
-    }
-    if (addresses % 64 == 0) {
-      return WriteWords<kMins>(kEach, D(), LoadAligned(), planes, query, first,
-                               count, row);
-    }
-  }
-  WriteWords<kMins>(kEach, D(), LoadAll(), planes, query, first, count, row);
-}
-
-// The last, partial word of a row, or a few objects, from object i on. A
-// function of its own, because the other needs more registers.
-template <size_t kMins, size_t kMaxs, typename T>
-HWY_NOINLINE void FlatTail(const T* const* planes, QueryValues<T> query,
-                           size_t i, size_t count, uint64_t* word) noexcept {
-  *word = TailWord<kMins>(std::make_index_sequence<kMins + kMaxs>(),
-                          WordTag<T>(), planes, query, i, count);
+  WriteWords<kMins>(std::make_index_sequence<kMins + kMaxs>(), D(), planes,
+                    query, first, count, row);
 }
 
 // A MaskKernel (kernel_table.h). It ends by a jump to another function, so it

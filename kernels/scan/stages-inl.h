@@ -517,8 +517,10 @@ constexpr detail::TargetKernels MakeKernels() {
   if constexpr (std::is_floating_point_v<T>) {
     kernels.mask_of_all[0] = &FewMask<kAxes, OneTag<T>>;
     kernels.mask_of_all[1] = &FewMask<kAxes, WordTag<T>>;
-    kernels.few_objects =
-        ((kHasVectors ? kMostFewWords : 0) + 1) * kWordObjects - 1;
+    constexpr size_t kMostWords = !kHasVectors               ? 0
+                                  : std::is_same_v<T, float> ? kMostFewWords
+                                                             : kFewWords - 1;
+    kernels.few_objects = (kMostWords + 1) * kWordObjects - 1;
     kernels.few_octahedra =
         kHasVectors ? 48 * HWY_MIN(size_t{8}, hn::MaxLanes(OneTag<float>())) - 1
                     : kWordObjects - 1;

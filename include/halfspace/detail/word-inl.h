@@ -161,7 +161,7 @@ HWY_INLINE uint64_t KeptTail(D d, const T* const* planes, size_t first,
   const uint64_t past_end = ~uint64_t{0} << (end - i);
   uint64_t bits = 0;
   size_t l = 0;
-  if constexpr (hn::MaxLanes(D()) <= 4) {
+  if constexpr (hn::MaxLanes(D()) == 2 || hn::MaxLanes(D()) == 4) {
     // Groups of 16 take fewer instructions than vectors of 4.
     for (; i + 16 <= end; i += 16, l += 16) {
       const uint64_t kept =
