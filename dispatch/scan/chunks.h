@@ -204,7 +204,7 @@ struct Rows {
 // Queries are encoded once for all tiles, kBlock at a time. kBlock is so large
 // that reading the world again for the next block costs little.
 template <typename Queries, typename Test>
-bool ForEachChunk(const Scan& scan, const Test& test) {
+HALFSPACE_ALWAYS_INLINE bool ForEachChunk(const Scan& scan, const Test& test) {
   const detail::ScanType& type = *scan.type;
   alignas(16) std::byte
       quantized[Queries::kBlock * detail::kMaxPlanes * sizeof(std::int16_t)];

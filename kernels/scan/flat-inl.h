@@ -64,8 +64,8 @@ HWY_INLINE uint64_t TailWord(std::index_sequence<kPlane...>, D d,
                              const T* const* planes, QueryValues<T> query,
                              size_t i, size_t count) {
   const T* copies[] = {planes[kPlane] + i...};
-  return KeptTail<kMins>(d, copies, 0, 0, count,
-                         hn::Set(d, query.template Of<kMins>(kPlane))...);
+  return KeptTail<kMins, false>(
+      d, copies, 0, count, hn::Set(d, query.template Of<kMins>(kPlane))...);
 }
 
 // The last, partial word of a row, or a few objects, from object i on. A
@@ -81,14 +81,13 @@ template <size_t kMins, class D, typename T, class... V>
 HWY_INLINE void WriteWords(D d, bool is_aligned, const T* const* planes,
                            size_t count, uint64_t* row, V... query) {
   size_t i = 0;
-  for (; is_aligned && i + kWordObjects <= count; i += kWordObjects) {
-    *row++ = KeptBits<kMins>(d, LoadAligned(), planes, i, query...);
-  }
-  for (; i + kWordObjects <= count; i += kWordObjects) {
-    *row++ = KeptBits<kMins>(d, LoadAll(), planes, i, query...);
-  }
+  do {
+    *row++ = is_aligned ? KeptBits<kMins>(d, LoadAligned(), planes, i, query...)
+                        : KeptBits<kMins>(d, LoadAll(), planes, i, query...);
+    i += kWordObjects;
+  } while (count - i >= kWordObjects);
   if (i == count) return;
-  *row = KeptTail<kMins>(d, planes, 0, i, count, query...);
+  *row = KeptTail<kMins, true>(d, planes, i, count, query...);
 }
 template <size_t kMins, class D, typename T, size_t... kPlane>
 HWY_INLINE void WriteWords(std::index_sequence<kPlane...>, D d,
@@ -103,8 +102,8 @@ HWY_INLINE void WriteWords(std::index_sequence<kPlane...>, D d,
                     hn::Set(d, query.template Of<kMins>(kPlane))...);
 }
 
-// The words of objects first ... first + count - 1, on the first kMins + kMaxs
-// planes.
+// The words of objects first ... first + count - 1, at least 64, on the first
+// kMins + kMaxs planes.
 template <size_t kMins, size_t kMaxs, class D, typename T>
 HWY_NOINLINE void FlatWords(const T* const* planes, QueryValues<T> query,
                             size_t first, size_t count,
@@ -124,8 +123,10 @@ HWY_INLINE void FlatMask(const void* pointers, size_t first, size_t count,
   using T = hn::TFromD<D>;
   const T* const* planes = static_cast<const T* const*>(pointers);
   const auto query = ValuesOf<kMins, kMaxs>(static_cast<const T*>(values));
-  if (count - 1 < kWordObjects - 1) {  // not of 0 objects
-    FlatTail<kMins, kMaxs>(planes, query, first, count, row);
+  if (count < kWordObjects) {
+    if (count != 0) {
+      FlatTail<kMins, kMaxs>(planes, query, first, count, row);
+    }
   } else if (count == kWordObjects) {
     FlatWords<kMins, kMaxs, WordTag<T>>(planes, query, first, count, row);
   } else {

@@ -54,12 +54,13 @@ inline constexpr bool kMaskedLoadsAreSafe = HWY_MEM_OPS_MIGHT_FAULT == 0 ||
                                             (HWY_TARGET == HWY_AVX2 &&
                                              std::is_floating_point_v<T>);
 
-// Copies the first `count` of some lanes, and clears the others. Not inlined: a
-// kernel would have a copy for each plane.
-template <typename T>
-HWY_NOINLINE void CopyFirst(const T* from, size_t count, size_t lanes, T* to) {
-  for (size_t i = 0; i < count; ++i) to[i] = from[i];
-  for (size_t i = count; i < lanes; ++i) to[i] = T{};
+// Loads a copy of the first `count` lanes. Not inlined: a kernel would have a
+// copy for each plane.
+template <class D, typename T>
+HWY_NOINLINE hn::Vec<D> LoadCopy(D d, const T* from, size_t count) {
+  HWY_ALIGN T copy[hn::MaxLanes(D())] = {};
+  for (size_t i = 0; i < count; ++i) copy[i] = from[i];
+  return hn::Load(d, copy);
 }
 
 // Loads the first `count` lanes and reads nothing past them; the others are
@@ -85,9 +86,7 @@ struct LoadFirst {
                          hn::Combine(d2, second, first));
 #endif
     } else {
-      HWY_ALIGN T copy[hn::MaxLanes(D())];
-      CopyFirst(from, count, hn::Lanes(d), copy);
-      return hn::Load(d, copy);
+      return LoadCopy(d, from, count);
     }
   }
 };

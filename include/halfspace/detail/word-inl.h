@@ -151,14 +151,16 @@ HWY_INLINE uint64_t KeptBits(D d, Load load, const T* const* planes, size_t i,
   return kVerdictIsKept<D> ? bits : bits ^ kLowBits<kObjects>;
 }
 
-// The last word: objects i ... end - 1, at least one and fewer than 64. Only
-// objects first ... end - 1 are read, and bits past the last one are 0.
-template <size_t kMins, class D, typename T, class... V>
-HWY_INLINE uint64_t KeptTail(D d, const T* const* planes, size_t first,
-                             size_t i, size_t end, V... query) {
+// The last word: objects i ... end - 1, at least one and fewer than 64. No
+// others are read, except that with kReadsBack the vector before them may be.
+// Bits past the last object are 0.
+template <size_t kMins, bool kReadsBack, class D, typename T, class... V>
+HWY_INLINE uint64_t KeptTail(D d, const T* const* planes, size_t i, size_t end,
+                             V... query) {
   constexpr std::index_sequence<0> kOne;
   const size_t lanes = hn::Lanes(d);
   const uint64_t past_end = ~uint64_t{0} << (end - i);
+  const bool has_vector = kReadsBack || end - i >= lanes;
   uint64_t bits = 0;
   size_t l = 0;
   if constexpr (hn::MaxLanes(D()) == 2 || hn::MaxLanes(D()) == 4) {
@@ -172,7 +174,7 @@ HWY_INLINE uint64_t KeptTail(D d, const T* const* planes, size_t first,
   for (; i + lanes <= end; i += lanes, l += lanes) {
     bits |= VectorBits<kMins>(kOne, d, LoadAll(), planes, i, query...) << l;
   }
-  if (HWY_MEM_OPS_MIGHT_FAULT && i < end && first + lanes <= end) {
+  if (HWY_MEM_OPS_MIGHT_FAULT && i < end && has_vector) {
     // The last vector begins as many objects earlier as it lacks, and tests
     // these again.
     const size_t lacks = i + lanes - end;
