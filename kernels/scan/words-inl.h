@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "halfspace/detail/word-inl.h"
 #include "hwy/highway.h"
@@ -61,22 +62,27 @@ HWY_INLINE size_t NonzeroGroups(const uint64_t* words, size_t count,
     if constexpr (kGroup == kWordObjects) {
       bits = NonzeroWords(words, left);
     } else {
-      static_assert(kGroup == 16);
+      static_assert(kGroup == 16 || kGroup == 8);
+      constexpr size_t kInWord = kWordObjects / kGroup;
       size_t w = 0;
 #if HWY_TARGET != HWY_SCALAR
-      // At most 16 groups, whose bits have a type of their own.
+      // At most 32 groups, whose bits have a type of their own.
       const hn::CappedTag<uint64_t, 4> d;
-      const hn::Repartition<uint16_t, decltype(d)> d16;
+      using Group = std::conditional_t<kGroup == 8, uint8_t, uint16_t>;
+      const hn::Repartition<Group, decltype(d)> of_group;
       const size_t lanes = hn::Lanes(d);
       for (; w + lanes <= left; w += lanes) {
-        const auto vector = hn::BitCast(d16, hn::LoadU(d, words + begin + w));
-        bits |= LaneBits(d16, hn::Ne(vector, hn::Zero(d16))) << (4 * w);
+        const auto vector =
+            hn::BitCast(of_group, hn::LoadU(d, words + begin + w));
+        bits |= LaneBits(of_group, hn::Ne(vector, hn::Zero(of_group)))
+                << (kInWord * w);
       }
 #endif
       for (; w < left; ++w) {
-        for (size_t g = 0; g < 4; ++g) {
-          const bool is_left = (words[begin + w] >> (16 * g) & 0xffff) != 0;
-          bits |= uint64_t{is_left} << (4 * w + g);
+        for (size_t g = 0; g < kInWord; ++g) {
+          const uint64_t group = words[begin + w] >> (kGroup * g);
+          const bool is_left = (group & kLowBits<kGroup>) != 0;
+          bits |= uint64_t{is_left} << (kInWord * w + g);
         }
       }
     }
