@@ -1,5 +1,6 @@
 // What to use on this machine.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -21,6 +22,11 @@
 
 namespace halfspace::bench {
 namespace {
+
+constexpr std::array<std::size_t, 5> kStructuresObjects = {100, 1000, 10'000,
+                                                           100'000, 1'000'000};
+// Of the section: AnswersTable(), and each row of StructuresTable().
+constexpr std::size_t kParts = 1 + kStructuresObjects.size();
 
 // Adds a scan of floats, one of uint8, and a BVH, each of which answers queries
 // with lists of survivors. They are timed per query. Returns the survivors of a
@@ -142,6 +148,7 @@ Table AnswersTable(Run& run) {
               "what to use on this machine",
               {Key("question"), Key("use"), Value("times as fast as"),
                Value("the next best")}};
+  run.progress.BeginPart(0, kParts);
   constexpr std::size_t kMostObjects = std::size_t{1} << 20;
   const AaboWorld3 world = Thinned(
       run.Measured().objects, run.is_quick() ? kMostObjects / 8 : kMostObjects);
@@ -231,8 +238,10 @@ Table StructuresTable(Run& run) {
        Value("encoding pays from", "", 0), Value("a BVH pays from", "", 0)}};
   table.chart = Chart{
       "objects", {"encoding pays from", "a BVH pays from"}, "", true, true};
-  for (std::size_t objects : {100, 1000, 10'000, 100'000, 1'000'000}) {
+  std::size_t part = 0;
+  for (std::size_t objects : kStructuresObjects) {
     if (run.options.objects != 0 && objects > run.options.objects) continue;
+    run.progress.BeginPart(++part, kParts);
     table.Add(StructuresRow(run, objects));
   }
   // The page needs the answers alone.
