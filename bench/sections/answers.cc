@@ -68,7 +68,10 @@ struct Method {
   Timing time;  // of a query, with the exact test of survivors
 
   std::string name() const {
-    return words[0].text + " " + words[1].text + " " + words[2].text;
+    const std::string bvh_or_scan = words[0].text + " " + words[1].text;
+    if (words[1].text == "BVH") return bvh_or_scan;
+    return bvh_or_scan +
+           (words[2].text == "uint8" ? " of a QuantizedWorld" : " of floats");
   }
 };
 enum Word : std::size_t { kShape, kStructure, kPrecision };
@@ -166,8 +169,9 @@ Table AnswersTable(Run& run) {
       (run.input() != nullptr
            ? run.input()->name + "."
            : "the scene. They take 2 % of the world's side.") +
-      " The exact test of a survivor takes " + Fixed(exact.ns, 0) + " ns (" +
-      exact.name + "). \"No difference\" is one of less than a twentieth.");
+      " AABO: an 8-DOP. An exact test of each kept object takes " +
+      Fixed(exact.ns, 0) + " ns (" + exact.name +
+      "). \"No difference\" is one of less than a twentieth.");
   AddThreads(run.threads, table);
   return table;
 }
@@ -235,9 +239,9 @@ Table StructuresTable(Run& run) {
       "changes of the world from which that pays",
       {Key("objects"), Value("scan", "us"), Value("quantized", "us"),
        Value("BVH", "us"), Value("encode", "us", 0), Value("build", "us", 0),
-       Value("encoding pays from", "", 0), Value("a BVH pays from", "", 0)}};
+       Value("quantizing pays from", "", 0), Value("a BVH pays from", "", 0)}};
   table.chart = Chart{
-      "objects", {"encoding pays from", "a BVH pays from"}, "", true, true};
+      "objects", {"quantizing pays from", "a BVH pays from"}, "", true, true};
   std::size_t part = 0;
   for (std::size_t objects : kStructuresObjects) {
     if (run.options.objects != 0 && objects > run.options.objects) continue;
@@ -250,7 +254,8 @@ Table StructuresTable(Run& run) {
     for (Row& row : table.rows) row.erase(row.begin() + 4, row.begin() + 6);
   }
   table.notes = {
-      "Boxes that take 2 % of the world's side, a list of survivors for each "
+      "Boxes that take 2 % of the world's side, a list of the kept objects for "
+      "each "
       "query, one thread, the BVH by its fast build. A BVH whose objects move "
       "a little can be refitted instead, in less time: section bvh."};
   return table;

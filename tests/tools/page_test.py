@@ -49,6 +49,10 @@ if check == "tables":
             assert len(set(keys)) == len(keys), (name, keys)
             chart = table.get("chart", {"x": columns[0]["name"], "y": []}) if columns else {"y": []}
             assert {chart.get("x"), *chart["y"]} <= {c["name"] for c in columns} | {None}, name
+        # "Not measured: other programs" stood in a run that was called quiet.
+        if any(": not measured. Other programs" in note
+               for note in tables.get("threads", {"notes": []}).get("notes", [])):
+            assert report["context"]["noise"] == "noisy", report["context"]
         assert report["context"]["scope"].startswith("--quick --objects 4096 --queries 4")
     if "table1" not in tables:
         sys.exit()
