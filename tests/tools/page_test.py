@@ -266,6 +266,15 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
     file.flush()
     subprocess.run([*tool, file.name], check=True, capture_output=True)
 
+# Both ends of an axis have labels, which are inside of the chart.
+with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+    json.dump(report_of([[1, 1], [20, 2], [30, 3]]), file)
+    file.flush()
+    chart = subprocess.run([*tool, file.name], check=True, capture_output=True, text=True).stdout
+width, last = (float(re.search(what, chart)[1]) for what in
+               (r'viewBox="0 0 (\d+)', r'<text x="([\d.]+)"[^>]*>30</text>'))
+assert last + 20 < width, (last, width)
+
 # The page is UTF-8 whatever the locale is.
 latin = subprocess.run([*tool, runs[0]], check=True, capture_output=True,
                        env=dict(os.environ, PYTHONIOENCODING="latin-1")).stdout
