@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes docs/results.md, and the figures in README.md and docs/*.md that come from the
-stored runs in bench/results/*.json. Then checks the sentences that are marked as claims.
+stored runs in bench/results/*.json. Then checks the sentences that docs/figures.txt has claims for.
 
     scripts/results.py           writes them
     scripts/results.py --check   fails if a file is not what it would write
@@ -15,22 +15,26 @@ A run of one machine:
     ./bench.sh --details all --format json --out run.json
     scripts/results.py --store <machine> run.json
 
-A block in a document, whose lines this replaces with a table of a run:
+A block in a page, whose lines this replaces with a table of a run:
 
     <!-- results: <machine> | <table> [| <column>=<value>,..., notes or lead] -->
     <!-- end of results -->
 
-A single value, which this replaces with the cell of the one row that fits:
+The keys of single figures and of claims are in docs/figures.txt. An entry is a line of words
+that the page has once, with {} for each figure, and the keys of the entry. Line breaks of the
+page do not matter:
 
-    <!--= <machine> | <table> | <column>=<value>,... | <column> -->1.23<!--/-->
+    [README.md]
+    keeps {} times as many objects
+        value: <machine> | <table> | <column>=<value>,... | <column>
+        claim: <machine> | <table> | <column>=<value>,... | <column> > 1
 
-A claim after a sentence, which must hold in all rows that fit, at least one. With a
-range, > and < are true if the whole range is on that side, and >= and <= if a part of it is. = is
-true if the number is in the range, or if the cell has this text:
+This replaces the first {} by the first value, and so on. A value is the cell of the one row
+that fits. A claim must hold in all rows that fit, at least one. With a range, > and < are true
+if the whole range is on that side, and >= and <= if a part of it is. = is true if the number is
+in the range, or if the cell has this text.
 
-    <!-- claim: <machine> | <table> | <column>=<value>,... | <column> > 1 -->
-
-In a document with <!-- run: <machine> -->, "@" is that machine.
+In a page with <!-- run: <machine> -->, "@" is that machine.
 """
 
 import json
@@ -40,10 +44,16 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-BLOCK = re.compile(r"(<!-- results: (.*?) -->\n).*?(<!-- end of results -->)", re.S)
-VALUE = re.compile(r"(<!--= (.*?) -->).*?(<!--/-->)", re.S)
+FIGURES = "docs/figures.txt"
+BLOCK = re.compile(
+    r"(<!-- results: (.*?) -->\n)(?:(?!<!-- results:).)*?(<!-- end of results -->)", re.S)
 RUN = re.compile(r"<!-- run: (\S+) -->")
-CLAIM = re.compile(r"<!-- claim: (.*?) -->", re.S)
+NUMBER = r"-?\d{1,3}(?:\s\d{3})*(?:\.\d+)?"
+RANGE = rf"{NUMBER}\s\[{NUMBER},\s{NUMBER}\]"
+
+
+class Wrong(Exception):
+    """What is wrong with a key, or with the words that it is for, and what to do."""
 
 
 def number(value, digits):
@@ -69,29 +79,36 @@ def cell(value, column):
 
 def table_of(runs, machine, name):
     if machine not in runs:
-        sys.exit(f"bench/results/{machine}.json is missing")
+        raise Wrong(f"bench/results/{machine}.json is missing: correct the key")
     for table in runs[machine]["tables"]:
         if table["name"] == name:
             return table
-    sys.exit(f"bench/results/{machine}.json has no table \"{name}\"")
+    raise Wrong(f"bench/results/{machine}.json has no table \"{name}\": correct the key, or "
+                "remove it with its words")
+
+
+def column_of(table, name):
+    names = [column["name"] for column in table["columns"]]
+    if name not in names:
+        raise Wrong(f"table \"{table['name']}\" has no column \"{name}\": correct the key")
+    return names.index(name)
 
 
 def rows_of(table, conditions):
     """The rows whose cells are as `column=value,...` says."""
-    names = [column["name"] for column in table["columns"]]
     rows = table["rows"]
     for condition in filter(None, re.split(r",(?=[^,=]+=)", conditions)):
         name, value = condition.strip().split("=", 1)
-        if name not in names:
-            sys.exit(f"table \"{table['name']}\" has no column \"{name}\"")
-        at = names.index(name)
+        at = column_of(table, name)
         rows = [row for row in rows if cell(row[at], table["columns"][at]) == value]
     return rows
 
 
-def parts_of(spec, this):
-    """The parts of a mark, with the run of its document in place of "@"."""
+def parts_of(spec, this, count):
+    """The parts of a key, with the run of its page in place of "@"."""
     machine, *parts = (" ".join(part.split()) for part in spec.split("|"))
+    if len(parts) not in count:
+        raise Wrong(f"\"{spec}\" has {len(parts) + 1} parts: see scripts/results.py --help")
     return [this if machine == "@" else machine, *parts]
 
 
@@ -110,7 +127,7 @@ def markdown(table, rows):
 
 
 def block(runs, spec, this=None):
-    machine, name, *conditions = parts_of(spec, this)
+    machine, name, *conditions = parts_of(spec, this, {1, 2})
     table = table_of(runs, machine, name)
     # Runs of older versions have no such lines: their table says the same.
     if conditions == ["lead"] and "lead" in table:
@@ -126,13 +143,12 @@ def block(runs, spec, this=None):
 
 
 def single(runs, spec, this):
-    machine, name, conditions, column = parts_of(spec, this)
+    machine, name, conditions, column = parts_of(spec, this, {3})
     table = table_of(runs, machine, name)
+    at = column_of(table, column)
     rows = rows_of(table, conditions)
-    names = [c["name"] for c in table["columns"]]
-    if len(rows) != 1 or column not in names:
-        sys.exit(f"{len(rows)} rows fit \"{spec}\", or it has no such column")
-    at = names.index(column)
+    if len(rows) != 1:
+        raise Wrong(f"{len(rows)} rows fit \"{spec}\", not one: correct the key")
     value = rows[0][at]
     without_flag = value[:3] if isinstance(value, list) else value
     return cell(without_flag, table["columns"][at])
@@ -151,30 +167,104 @@ def holds(value, operator, number):
             "<=": low <= limit, ">=": high >= limit}[operator]
 
 
-def failed_claims(text, runs):
-    """A line for each claim of a document that its run does not support."""
-    this = run_of(text)
-    failed = []
-    for spec in CLAIM.findall(text):
-        machine, name, conditions, claim = parts_of(spec, this)
-        column, operator, number = re.fullmatch(r"(.*) ([<>]=?|=) (.*)", claim).groups()
-        table = table_of(runs, machine, name)
-        names = [c["name"] for c in table["columns"]]
-        if column not in names:
-            sys.exit(f"table \"{name}\" has no column \"{column}\"")
-        at = names.index(column)
-        rows = rows_of(table, conditions)
-        wrong = [cell(row[at], table["columns"][at]) for row in rows
-                 if not holds(row[at], operator, number)]
-        if wrong or not rows:
-            failed.append(f"\"{' '.join(spec.split())}\" is not so: {', '.join(wrong) or 'no row'}")
-    return failed
+def check_claim(runs, spec, this):
+    machine, name, conditions, claim = parts_of(spec, this, {3})
+    parts = re.fullmatch(r"(.*) ([<>]=?|=) (.*)", claim)
+    if not parts:
+        raise Wrong(f"\"{claim}\" compares nothing: see scripts/results.py --help")
+    column, operator, number = parts.groups()
+    table = table_of(runs, machine, name)
+    at = column_of(table, column)
+    rows = rows_of(table, conditions)
+    wrong = [cell(row[at], table["columns"][at]) for row in rows
+             if not holds(row[at], operator, number)]
+    if wrong or not rows:
+        raise Wrong(f"\"{spec}\" is not so: {', '.join(wrong) or 'no row'}. "
+                    "Correct the sentence, or the key")
 
 
-def filled(text, runs):
+def entries_of(text):
+    """The entries of docs/figures.txt by page: the number of the line, the words, and the keys
+    with the numbers of their lines."""
+    pages = {}
+    for at, line in enumerate(text.splitlines(), 1):
+        page = re.fullmatch(r"\[(\S+)\]", line)
+        key = re.fullmatch(r"\s+(value|claim): (.*)", line)
+        if page:
+            entries = pages.setdefault(page[1], [])
+        elif key and pages and entries:
+            entries[-1][2].append((at, key[1], key[2]))
+        elif line and not line[0].isspace() and pages:
+            entries.append((at, line, []))
+        elif line:
+            sys.exit(f"{FIGURES}:{at}: is no page, no words and no key: "
+                     "see scripts/results.py --help")
+    return pages
+
+
+def line_at(text, at):
+    return text.count("\n", 0, at) + 1
+
+
+def place_of(page, text, words):
+    """Where a page has the words of an entry."""
+    parts = [r"\s+".join(map(re.escape, re.split(r"\s+", part))) for part in words.split("{}")]
+    places = list(re.finditer(r"(?<![\w.])" + f"({RANGE}|{NUMBER})".join(parts) + r"(?!\w)", text))
+    if len(places) == 1:
+        return places[0]
+    if places:
+        lines = " and ".join(str(line_at(text, place.start())) for place in places)
+        raise Wrong(f"{page} has these words in the lines {lines}: add words until one fits")
+    wanted = set(words.split())
+    lines = text.split("\n")
+    near = max(range(len(lines)), key=lambda at: len(
+        wanted.intersection(" ".join(lines[max(at - 1, 0):at + 2]).split())))
+    raise Wrong(f"{page} has no such words, with a figure for each {{}}. The most similar are near "
+                f"{page}:{near + 1}. Copy its words to here, or remove this entry")
+
+
+def filled(page, text, entries, runs):
+    """A page with the figures of its runs, and a line for each error."""
     this = run_of(text)
-    text = BLOCK.sub(lambda m: m[1] + block(runs, m[2], this) + m[3], text)
-    return VALUE.sub(lambda m: m[1] + single(runs, m[2], this) + m[3], text)
+    errors = []
+
+    def attempt(where, what, *arguments):
+        try:
+            return what(*arguments)
+        except Wrong as wrong:
+            errors.append(f"{where}: {wrong}")
+
+    changes = {}
+    for line, words, keys in entries:
+        place = attempt(f"{FIGURES}:{line}", place_of, page, text, words)
+        values = [key for key in keys if key[1] == "value"]
+        if not keys or len(values) != words.count("{}"):
+            errors.append(f"{FIGURES}:{line}: has {words.count('{}')} times {{}} and {len(values)} "
+                          f"values of {len(keys)} keys: add what is missing")
+        elif place:
+            for at, (line, _, spec) in enumerate(values, 1):
+                if place.span(at) in changes:
+                    errors.append(f"{FIGURES}:{line}: {page}:{line_at(text, place.start(at))} "
+                                  "has this figure from another key, too: remove one")
+                value = attempt(f"{FIGURES}:{line}", single, runs, spec, this)
+                is_same = " ".join(place[at].split()) == value  # lines may break in a figure
+                changes[place.span(at)] = place[at] if is_same else value
+        for line, kind, spec in keys:
+            if kind == "claim":
+                attempt(f"{FIGURES}:{line}", check_claim, runs, spec, this)
+    for match in BLOCK.finditer(text):
+        table = attempt(f"{page}:{line_at(text, match.start())}", block, runs, match[2], this)
+        changes[match.span()] = table and match[1] + table + match[3]
+
+    for match in re.finditer(rf"{RANGE}|<!--(?! run: \S+ -->)", text):
+        if not any(start <= match.start() < end for start, end in changes):
+            what = ("is no whole block of results" if match[0] == "<!--" else
+                    f"{' '.join(match[0].split())} is a figure without a key")
+            errors.append(f"{page}:{line_at(text, match.start())}: {what}: "
+                          f"write the words around it and its key into {FIGURES}")
+    for (start, end), new in sorted(changes.items(), reverse=True):
+        text = text[:start] + (new or text[start:end]) + text[end:]
+    return text, errors
 
 
 def page(runs):
@@ -266,19 +356,26 @@ def main():
         sys.exit(__doc__)
     paths = sorted((ROOT / "bench/results").glob("*.json"))
     runs = {path.stem: json.loads(path.read_text()) for path in paths}
-    made = {ROOT / "docs/results.md": page(runs)}
-    for document in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
-        if document not in made:
-            made[document] = filled(document.read_text(), runs)
-    failed = []
-    for document, text in made.items():
-        name = document.relative_to(ROOT)
-        failed += [f"{name}: {claim}" for claim in failed_claims(text, runs)]
-        if document.exists() and document.read_text() == text:
+    pages = ["README.md", *sorted(f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md"))]
+    entries = entries_of((ROOT / FIGURES).read_text())
+    failed = [f"{FIGURES}: has no page {name}: correct its name, or remove its entries"
+              for name in entries.keys() - {*pages}]
+    for name in pages:
+        before = (ROOT / name).read_text()
+        if name == "docs/results.md":
+            after = page(runs)
+        else:
+            after, errors = filled(name, before, entries.get(name, []), runs)
+            failed += errors
+        if before == after:
             continue
         if arguments:
-            sys.exit(f"{name} is not what the runs in bench/results say: run scripts/results.py")
-        document.write_text(text)
+            lines = zip(before.split("\n"), after.split("\n"))
+            at = next((at for at, (old, new) in enumerate(lines, 1) if old != new), 1)
+            failed.append(f"{name}:{at}: is not what the runs in bench/results say: "
+                          "run scripts/results.py")
+        else:
+            (ROOT / name).write_text(after)
     sys.exit("\n".join(failed) if failed else 0)
 
 

@@ -62,18 +62,20 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
                    Progress& progress, std::ostream* text) {
   Run run(options, std::move(input), progress);
   Report report{ContextOf(run), {}};
-  double total = 0.0;
   std::map<std::string_view, Tables> all;  // of each section
   bool needs_verdict = false;
   std::size_t first_sections = 0;
   for (const Section& section : ThisProgram().sections) {
     if (!options.Wants(section.name)) continue;
-    total += section.weight;
+    progress.Plan(section.name, 1, section.seconds);
     first_sections += (section.flags & kLast) == 0 ? 1 : 0;
     needs_verdict |=
         !run.machine.is_emulated && (section.flags & kVerdict) != 0;
   }
-  progress.Plan(ThisProgram().name, total);
+  progress.SetProgram(ThisProgram().name);
+  if (needs_verdict) {
+    progress.Plan(kVerdictGroup, run.VerdictGroups(), kVerdictGroupSeconds);
+  }
   bool is_first = true;
   const auto write = [&](const Tables& tables) {
     if (text == nullptr) return;
@@ -101,7 +103,6 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
       if (!options.Wants(section.name) || (section.flags & kLast) != pass) {
         continue;
       }
-      progress.Begin(section.name, section.weight);
       run.clock.Sample();
       try {
         // Spread over the run.
@@ -109,7 +110,10 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
           const std::size_t groups =
               std::max<std::size_t>(1, run.VerdictGroups() / first_sections);
           for (std::size_t g = 0; g < groups; ++g) run.AddVerdictGroup();
+        } else if (needs_verdict) {
+          run.TheVerdict();
         }
+        progress.Begin(section.name);
         const Tables& tables = all[section.name] = section.run(run);
         progress.Clear();
         if (!run.is_page()) write(tables);
@@ -120,6 +124,8 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
       }
     }
   }
+  progress.End();
+  progress.Clear();
   for (const Section& section : ThisProgram().sections) {
     for (Table& table : all[section.name]) {
       report.tables.push_back(std::move(table));

@@ -120,10 +120,10 @@ Table OrdersTable(const Workload& workload) {
 Tables RunTable1(Run& run) {
   const Workload& scene = run.Scene();
   WorkCounter counter(scene.objects.view());
-  double done = 0.0;
+  std::size_t done = 0;
   for (const Aabo3& query : scene.queries) {
     counter.Add(query);
-    run.progress.Update(++done / static_cast<double>(scene.queries.size()));
+    run.progress.BeginPart(++done, scene.queries.size());
   }
   const WorkCount work = counter.Average();
   Table table{"table1",

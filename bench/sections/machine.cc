@@ -82,7 +82,12 @@ Tables RunNoise(Run& run) {
   const Load load = run.load.Sample();
   const int cpus = run.machine.cores;
   const bool is_loaded = IsLoaded(load, cpus);
-  const bool is_noisy = off > kLimit || drift > kLimit || is_loaded;
+  // A quiet machine can time its threads.
+  const bool are_threads_missing =
+      std::any_of(run.threads.rows.begin(), run.threads.rows.end(),
+                  [](const Row& row) { return !row[2].value; });
+  const bool is_noisy =
+      off > kLimit || drift > kLimit || is_loaded || are_threads_missing;
   Table table{"noise",
               "a kernel timed against itself, the clock, and other programs",
               {Key("what"), Value("value", "", 3)}};

@@ -151,14 +151,13 @@ std::size_t Run::VerdictGroups() const {
 
 void Run::AddVerdictGroup() {
   if (!verdict_) verdict_ = std::make_unique<Verdict>(*this);
-  if (verdict_->groups() < VerdictGroups()) verdict_->AddGroup(*this);
+  if (verdict_->groups() >= VerdictGroups()) return;
+  progress.Begin(kVerdictGroup);
+  verdict_->AddGroup(*this);
 }
 
 const Verdict& Run::TheVerdict() {
-  while (!verdict_ || verdict_->groups() < VerdictGroups()) {
-    progress.BeginPart(verdict_ ? verdict_->groups() : 0, VerdictGroups());
-    AddVerdictGroup();
-  }
+  while (!verdict_ || verdict_->groups() < VerdictGroups()) AddVerdictGroup();
   return *verdict_;
 }
 

@@ -28,6 +28,11 @@ namespace halfspace::bench {
 inline constexpr std::size_t kPaperObjects = std::size_t{1} << 22;
 inline constexpr std::size_t kPaperQueries = 128;
 
+// What the progress line calls a group of the verdict, and the seconds that it
+// takes on a common machine.
+inline constexpr std::string_view kVerdictGroup = "simplex or box";
+inline constexpr double kVerdictGroupSeconds = 3.0;
+
 // What an exact test of a pair costs.
 struct ExactTest {
   std::string name;
@@ -130,7 +135,7 @@ inline constexpr unsigned kVerdict = 16;
 struct Section {
   std::string_view name;
   Tables (*run)(Run& run);
-  double weight;  // its share of the progress line
+  double seconds;  // that it takes on a common machine, for the progress line
   unsigned flags;
 };
 

@@ -190,8 +190,13 @@ Tables RunKernels(Run& run) {
               {Key("shape"), Key("set"), Key("target"), Key("schedule"),
                Key("objects"), Value("ns/object", "", 4), Value("GB/s", "", 1),
                Higher("% of reading", "", 0)}};
-  for (WorkingSet* set : run.Sets({"L1", "L2", "L3", "memory"})) {
-    for (ShapeKind shape : kShapes) AddRows(run, *set, shape, table);
+  std::size_t part = 0;
+  const std::vector<WorkingSet*> sets = run.Sets({"L1", "L2", "L3", "memory"});
+  for (WorkingSet* set : sets) {
+    for (ShapeKind shape : kShapes) {
+      run.progress.BeginPart(part++, sets.size() * kShapes.size());
+      AddRows(run, *set, shape, table);
+    }
   }
   table.notes = run.NotReached();
   return {table};
@@ -265,6 +270,7 @@ Tables RunThroughput(Run& run) {
   scene.of_queries.resize(scene.ids.size());
   Contest contest(run, "throughput");
   AddCalls(contest, scene, run.best());
+  run.progress.BeginPart(0, 1);
   contest.Time(run.AtMostRepetitions(5));
   contest.AddTo(table);
   return {table};

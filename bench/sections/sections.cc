@@ -8,13 +8,13 @@
 
 namespace halfspace::bench {
 
-#define HALFSPACE_SECTION(name, run, weight, flags) Tables run(Run&);
+#define HALFSPACE_SECTION(name, run, seconds, flags) Tables run(Run&);
 #include HALFSPACE_SECTIONS
 #undef HALFSPACE_SECTION
 
 const Program& ThisProgram() {
-#define HALFSPACE_SECTION(name, run, weight, flags) \
-  Section{name, run, weight, flags},
+#define HALFSPACE_SECTION(name, run, seconds, flags) \
+  Section{name, run, seconds, flags},
   static constexpr Section kSections[] = {
 #include HALFSPACE_SECTIONS
   };

@@ -77,8 +77,8 @@ void AddRows(Run& run, const std::string& name, const SimplexView3& view,
                is_timed ? Cell(times) : Cell()});
     if (!is_timed && counts[c] != 1) {
       table.notes.push_back(std::to_string(counts[c]) + " threads, " + name +
-                            ": not measurable now, other programs take too "
-                            "much of the CPUs.");
+                            ": not measured. Other programs took the CPUs, "
+                            "or the times differed by a factor of 2.");
     }
   }
 }

@@ -73,8 +73,8 @@ std::vector<std::string> LeadOf(const Verdict& verdict, double exact_ns) {
     lines.push_back(line(c, false));
   }
   lines.push_back(
-      "With an exact test of " + Fixed(exact_ns, exact_ns < 9.5 ? 1 : 0) +
-      " ns for each survivor" +
+      "If each kept object costs an exact test of " +
+      Fixed(exact_ns, exact_ns < 9.5 ? 1 : 0) + " ns" +
       (verdict.is_of_file() ? ":" : ", the box is faster again from"));
   lines.push_back(line(verdict.best_column(), true));
   return lines;
@@ -129,14 +129,17 @@ std::string PromiseText(const Verdict& verdict, std::size_t cells) {
         1.0 / (kFalseWinnerChance * static_cast<double>(cells));
     text +=
         "without the least and the greatest. It covers the median of another "
-        "run in 99 % of the cases. If nothing differed, one of " +
-        Grouped(static_cast<std::size_t>(pages)) + " reports of " +
-        std::to_string(cells) + " ratios would name a winner";
+        "run in 99 % of the cases. If both scans were equally fast, 1 of " +
+        Grouped(static_cast<std::size_t>(pages)) +
+        " such runs would still mark one of its " + std::to_string(cells) +
+        " ratios";
   } else {
     text += "which are too few to trust a winner: leave out --repetitions";
   }
   return text + ". Timed with " + Grouped(verdict.queries()) +
-         " different queries.";
+         " different queries. A target is followed by the floats of its "
+         "vectors, as in \"AVX2, 8\". A scan keeps the objects that it cannot "
+         "reject.";
 }
 
 Table TimesTable(const Verdict& verdict) {
@@ -357,6 +360,7 @@ void Verdict::FindSpans(Run& run, std::map<double, Place>& places) {
       Place& place = places[percent];
       if (place.set == nullptr) place = MakePlace(run, percent);
       if (!place.times.contains(c)) {
+        run.progress.BeginPart(cell_++, cells_);
         place.times[c] = TimePlace(run, place, c, effort_);
       }
       return RatioOf(place.times[c], place.survivors,
@@ -375,10 +379,16 @@ void Verdict::AddGroup(Run& run) {
   std::map<double, Place> places;
   Effort complete = effort_;
   complete.is_complete = true;
+  // The first group guesses how many sizes the bisections need: 4 for each.
+  cells_ = groups_ != 0 ? cell_
+                        : worlds_.size() * columns_.size() +
+                              (is_of_file() ? 0 : 4 * (columns_.size() + 1));
+  cell_ = 0;
   for (VerdictWorld& world : worlds_) {
     Place& place = places[world.percent] = MakePlace(run, world.percent);
     world.survivors.push_back(place.survivors);
     for (std::size_t c = 0; c < columns_.size(); ++c) {
+      run.progress.BeginPart(cell_++, cells_);
       place.times[c] = TimePlace(run, place, c, complete);
       world.times[c].push_back(place.times[c]);
     }
@@ -424,7 +434,7 @@ Tables RunVerdict(Run& run) {
   tables.push_back(TableOf(run, "verdict: with exact tests",
                            "the same with an exact test of " +
                                Fixed(exact.ns, 0) + " ns (" + exact.name +
-                               ") of each survivor",
+                               ") of each kept object",
                            exact.ns));
   tables.push_back(TimesTable(verdict));
   return tables;

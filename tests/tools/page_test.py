@@ -2,8 +2,8 @@
 """page_test.py schema|tables|html|claims PROJECT PAGE.json DETAILS.json [PAPER.json]: that
 reports are as their schema says, that runs of all sections have their tables, and the counts in
 them are right, that the page of them is well-formed HTML with what is in them, and that
-scripts/results.py finds the claims that they do not support. Exits with 77 where a package is
-missing."""
+scripts/results.py writes their figures and finds the claims that they do not support. Exits
+with 77 where a package is missing."""
 
 import html.parser
 import importlib.util
@@ -49,6 +49,10 @@ if check == "tables":
             assert len(set(keys)) == len(keys), (name, keys)
             chart = table.get("chart", {"x": columns[0]["name"], "y": []}) if columns else {"y": []}
             assert {chart.get("x"), *chart["y"]} <= {c["name"] for c in columns} | {None}, name
+        # "Not measured: other programs" stood in a run that was called quiet.
+        if any(": not measured. Other programs" in note
+               for note in tables.get("threads", {"notes": []}).get("notes", [])):
+            assert report["context"]["noise"] == "noisy", report["context"]
         assert report["context"]["scope"].startswith("--quick --objects 4096 --queries 4")
     if "table1" not in tables:
         sys.exit()
@@ -86,8 +90,53 @@ if check == "claims":
                          ("t | size=9 % | ratio > 1", False),
                          (f"quality | shape=simplex | survivors = {kept}", True),
                          (f"quality: mesh | shape=simplex | survivors > {kept}", False)):
-        text = f"<!-- run: here --> A sentence.<!-- claim: @ | {claim} -->"
-        assert (results.failed_claims(text, runs) == []) == is_so, claim
+        _, errors = results.filled(
+            "p.md", "<!-- run: here -->\nA sentence.\n",
+            [(1, "A sentence.", [(2, "claim", f"@ | {claim}")])], runs)
+        assert (errors == []) == is_so, (claim, errors)
+
+    # A figure, its words and its key: another sentence may change, and lines may break. What is
+    # wrong is told with its file and line, and with what to do.
+    size = "[p.md]\nis {} times\n  value: here | t | size=3 % | ratio\n"
+    figure = "1.10 [0.90, 1.30]"
+    for text, figures, after, error in (
+            ("It is 7 times.", size, f"It is {figure} times.", None),
+            ("Other words. It\nis 1.10 [0.90,\n1.30] times as fast.", size, None, None),
+            ("It is 7 times, and 8.", size + "and {}.\n  value: here | t | size=all | ratio\n",
+             f"It is {figure} times, and 2.00.", None),
+            ("One.\nIt was 7 times.", size, None, "docs/figures.txt:2: p.md has no such words, "
+             "with a figure for each {}. The most similar are near p.md:1. Copy"),
+            ("It is many times.", size, None, "figures.txt:2: p.md has no such words"),
+            ("It is 7 times.\nIs it? It is 8 times.", size, None,
+             "figures.txt:2: p.md has these words in the lines 1 and 2: add words"),
+            ("It is 7 times.", size.replace("| t", "| u"), None,
+             'figures.txt:3: bench/results/here.json has no table "u": correct the key, or remove'),
+            ("It is 7 times.", size.replace("here", "there"), None,
+             "figures.txt:3: bench/results/there.json is missing"),
+            ("It is 7 times.", size.replace("ratio", "rate"), None,
+             'figures.txt:3: table "t" has no column "rate"'),
+            ("It is 7 times.", size.replace("size=3 %", ""), None, "figures.txt:3: 3 rows fit"),
+            ("It is 7 times.", size.replace(" | ratio", ""), None, 'figures.txt:3: "here | t'),
+            ("It is 7 times.", size.replace("{} ", "7 "), None,
+             "figures.txt:2: has 0 times {} and 1 values"),
+            ("It is 7 times.", "[p.md]\nis 7 times\n", None, "figures.txt:2: has 0 times"),
+            ("It is 7 times.", size + size[7:].replace("is", "It is"),
+             f"It is {figure} times.",
+             "figures.txt:5: p.md:1 has this figure from another key"),
+            ("It is\n1.10 [0.90, 1.30] times.", "", None,
+             f"p.md:2: {figure} is a figure without a key: write the words around it and its key"),
+            ("A.<!-- claim: @ | t | size=all | ratio = 2 -->", "", None,
+             "p.md:1: is no whole block"),
+            ("<!-- results: here | t -->\nold\n", "", None, "p.md:1: is no whole block"),
+            ("\n<!-- results: here | u -->\n<!-- end of results -->", "", None,
+             'p.md:2: bench/results/here.json has no table "u"'),
+            ("<!-- results: here | t | size=all -->\nis 1.10 [0.90, 1.30]\n"
+             "<!-- end of results -->", "", "<!-- results: here | t | size=all -->\n| size | ratio |\n|---|---|\n"
+             "| all | 2.00 |\n<!-- end of results -->", None)):
+        entries = results.entries_of(figures).get("p.md", [])
+        found, errors = results.filled("p.md", text, entries, runs)
+        assert found == (after or text), (text, found)
+        assert len(errors) == (error is not None) and (error or "") in "".join(errors), (text, errors)
     sys.exit()
 
 
@@ -216,6 +265,15 @@ with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
     json.dump(report_of([[1e300, 1], [math.nextafter(1e300, math.inf), 2]]), file)
     file.flush()
     subprocess.run([*tool, file.name], check=True, capture_output=True)
+
+# Both ends of an axis have labels, which are inside of the chart.
+with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
+    json.dump(report_of([[1, 1], [20, 2], [30, 3]]), file)
+    file.flush()
+    chart = subprocess.run([*tool, file.name], check=True, capture_output=True, text=True).stdout
+width, last = (float(re.search(what, chart)[1]) for what in
+               (r'viewBox="0 0 (\d+)', r'<text x="([\d.]+)"[^>]*>30</text>'))
+assert last + 20 < width, (last, width)
 
 # The page is UTF-8 whatever the locale is.
 latin = subprocess.run([*tool, runs[0]], check=True, capture_output=True,
