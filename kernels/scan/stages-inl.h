@@ -56,6 +56,20 @@ HWY_INLINE detail::Chunk ChunkFrom(const detail::Chunk& chunk, size_t first,
           .stride = chunk.stride};
 }
 
+// `count` queries of a chunk, from query q on.
+HWY_INLINE detail::Chunk QueriesFrom(const detail::Scan& scan,
+                                     const detail::Chunk& chunk, size_t q,
+                                     size_t count) {
+  return {.first_query = chunk.first_query + q,
+          .query_count = count,
+          .queries = static_cast<const char*>(chunk.queries) +
+                     q * scan.type->record_bytes,
+          .begin = chunk.begin,
+          .end = chunk.end,
+          .rows = chunk.rows + q * chunk.stride,
+          .stride = chunk.stride};
+}
+
 // Calls test(tile) with the chunk of one tile after the other, of one query
 // after the other.
 template <class Test>
@@ -63,16 +77,10 @@ HWY_INLINE void ForEachTile(const detail::Scan& scan,
                             const detail::Chunk& chunk, const Test& test) {
   const size_t words = WordsOf(chunk);
   for (size_t q = 0; q < chunk.query_count; ++q) {
+    const detail::Chunk of_query = QueriesFrom(scan, chunk, q, 1);
     for (size_t w = 0; w < words; w += kTileWords) {
-      const size_t count = HWY_MIN(kTileWords, words - w);
-      test(detail::Chunk{.first_query = chunk.first_query + q,
-                         .query_count = 1,
-                         .queries = static_cast<const char*>(chunk.queries) +
-                                    q * scan.type->record_bytes,
-                         .begin = chunk.begin + w * kWordObjects,
-                         .end = chunk.begin + (w + count) * kWordObjects,
-                         .rows = chunk.rows + q * chunk.stride + w,
-                         .stride = chunk.stride});
+      const size_t end = HWY_MIN(w + kTileWords, words);
+      test(ChunkFrom(of_query, w, chunk.begin + end * kWordObjects));
     }
   }
 }
@@ -275,9 +283,9 @@ template <size_t kAxes, typename T>
 int64_t BySimplex(const detail::Scan& scan, const detail::Chunk& chunk) {
   detail::Chunk before = ChunkFrom(chunk, 0, chunk.begin);
   for (size_t w = 0; w < WordsOf(chunk); w += kTileWords) {
-    const size_t count = HWY_MIN(kTileWords, WordsOf(chunk) - w);
+    const size_t end = HWY_MIN(w + kTileWords, WordsOf(chunk));
     const detail::Chunk tile =
-        ChunkFrom(chunk, w, chunk.begin + (w + count) * kWordObjects);
+        ChunkFrom(chunk, w, chunk.begin + end * kWordObjects);
     if (scan.is_streaming) {
       scan.kernels->run[detail::kMinimaStreaming](scan, tile);
       PrefetchMaxima<kAxes, T>(scan, tile);
@@ -309,11 +317,11 @@ struct KeptStep {
 inline constexpr KeptStep kKeptSteps[2][3] = {
     // Boxes: groups that have a survivor of the first axes; of the last step,
     // nonzero words. Masked compares skip groups at less cost.
-    {{0, HALFSPACE_MASKED_COMPARES ? 48 : 32, 1},
+    {{0, HALFSPACE_MASKED_COMPARES ? 48 : 24, 1},
      {HALFSPACE_MASKED_COMPARES ? 4 : 1, 48, 1},
      {40, 64, 1}},
     // Octahedra: the same groups, then nonzero words, which are few.
-    {{0, 32, 1}, {1, 48, 8}, {32, 64, 1}},
+    {{0, HALFSPACE_MASKED_COMPARES ? 36 : 24, 1}, {1, 48, 16}, {32, 64, 1}},
 };
 
 // Tests a tile of one query, and returns what of it is left, as above.
@@ -353,8 +361,8 @@ HWY_INLINE Left LookAt(const detail::Scan& scan, const detail::Chunk& chunk) {
 
 // Fewer words of one query are tested flat, because the branches of stages cost
 // more than they save. For several queries the limit is half as high, because
-// they are looked at once. In plain code one word by axis takes half of the
-// time of a flat word (a box on Zen 3).
+// each begins with the step that the query before it ended with. In plain code
+// one word by axis takes half of the time of a flat word (a box on Zen 3).
 inline constexpr size_t kFewWords =
     kHasVectors ? 2 * HWY_MIN(size_t{8}, hn::MaxLanes(OneTag<float>())) : 1;
 
@@ -382,18 +390,24 @@ int64_t ElementKernels<T>::Adaptive(const detail::Scan& scan,
     if (WordsOf(chunk) < (is_one ? kFewWords : kFewWords / 2)) {
       return run(detail::kAll);
     }
-    const KeptStep* const steps = kKeptSteps[is_box ? 0 : 1];
-    const size_t most = is_one ? steps[kOneAxis].most : 32;
-    const Left look =
-        is_one && WordsOf(chunk) < kTileWords ? Left{} : LookAt<T>(scan, chunk);
-    const bool is_few = 64 * look.some <= most * look.all;
-    if (!is_one) {
-      return run(is_few ? detail::kByAxis
-                 : HALFSPACE_MASKED_COMPARES || look.IsAlmostAll()
-                     ? detail::kAll
-                     : detail::kByHalf);
+    if (HALFSPACE_MASKED_COMPARES && !is_one) {
+      // Several boxes that are tested flat share loads, so the rest of a batch
+      // is tested flat after a query that leaves half of the groups.
+      size_t q = 0;
+      for (bool is_few = true; is_few && q < chunk.query_count; ++q) {
+        const detail::Chunk of_query = QueriesFrom(scan, chunk, q, 1);
+        const Left left = TileByAxis<1, T>(scan, of_query);
+        is_few = 2 * left.some <= left.all;
+        FinishChunk(scan, of_query, detail::kAll);
+      }
+      if (q == chunk.query_count) return HWY_TARGET;
+      return scan.kernels->run[detail::kAll](
+          scan, QueriesFrom(scan, chunk, q, chunk.query_count - q));
     }
-    size_t step = is_few                         ? kOneAxis
+    Left look{};
+    if (is_one && WordsOf(chunk) >= kTileWords) look = LookAt<T>(scan, chunk);
+    const KeptStep* const steps = kKeptSteps[is_box ? 0 : 1];
+    size_t step = 64 * look.some <= steps[kOneAxis].most * look.all ? kOneAxis
                   : is_box && look.IsAlmostAll() ? kEveryPlane
                                                  : kHalf;
     size_t tiles = 0;  // in a row that left fewer
