@@ -1,5 +1,6 @@
 """Builds the extension module with CMake, with the options in the environment variable
-CMAKE_ARGS. pyproject.toml has everything else."""
+CMAKE_ARGS. HALFSPACE_HOMEPAGE is the address of the project, which the sources do not know.
+pyproject.toml has everything else."""
 
 import os
 import re
@@ -68,8 +69,14 @@ class CMakeBuild(build_ext):
         shutil.copy2(build / "python/halfspace" / target.name, target)
 
 
+def urls():
+    homepage = os.environ.get("HALFSPACE_HOMEPAGE")
+    return {"Homepage": homepage} if homepage else {}
+
+
 setup(
     version=version(),
+    project_urls=urls(),
     ext_modules=[Extension("halfspace._halfspace", [])],
     cmdclass={"build_ext": CMakeBuild},
 )

@@ -1,5 +1,5 @@
-// The programs of docs/porting.md: rules for pairs, contacts, the pairs of
-// Jolt's active bodies, a cast, and a frame in phases.
+// Programs of docs/porting.md: rules for pairs, contacts, the pairs of Jolt's
+// active bodies, a cast, and a frame in phases.
 #include <halfspace/broad_phase.h>
 #include <halfspace/bvh.h>
 #include <halfspace/bvh_pairs.h>
@@ -10,10 +10,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <numeric>
 #include <set>
 #include <utility>
 #include <vector>
+
+#include "engines/active_pairs.h"
 
 // Layer i is bit i of a category. Bit k of collides[i] is set if layers i and k
 // collide.
@@ -41,63 +42,6 @@ struct Contacts {
     for (const auto& pair : bodies.began()) list.insert({pair.a, pair.b});
     for (const auto& pair : bodies.ended()) list.erase({pair.a, pair.b});
   }
-};
-
-// The pairs of Jolt's active bodies: found once in a frame, and then handed out
-// for each body, on any threads.
-class ActivePairs {
- public:
-  // `active` is Jolt's list of active bodies. Finds the bodies whose bounds are
-  // at most `distance` apart on each axis.
-  void Find(const halfspace::AabbBroadPhase3& bodies,
-            halfspace::Span<const std::uint32_t> active, float distance) {
-    place_.assign(bodies.id_limit(), kInactive);
-    for (std::uint32_t i = 0; i < active.size(); ++i) place_[active[i]] = i;
-    halfspace::PairOptions options;
-    options.margin = distance;
-    found_.clear();
-    ForEachPairOf(
-        bodies, active,
-        [&](halfspace::Span<const halfspace::IdPair> pairs) {
-          found_.insert(found_.end(), pairs.begin(), pairs.end());
-        },
-        options);
-
-    // Sorts them by the place of `a`: counts, then first places, then pairs.
-    // While pairs are written, first_[i + 1] is where the next one of place i
-    // goes. In the end it is where place i + 1 begins.
-    first_.assign(active.size() + 2, 0);
-    for (halfspace::IdPair& pair : found_) {
-      // Jolt accepts two active bodies in the order of its list.
-      if (place_[pair.b] < place_[pair.a]) std::swap(pair.a, pair.b);
-      ++first_[place_[pair.a] + 2];
-    }
-    std::partial_sum(first_.begin(), first_.end(), first_.begin());
-    others_.resize(found_.size());
-    for (const halfspace::IdPair& pair : found_) {
-      others_[first_[place_[pair.a] + 1]++] = pair.b;
-    }
-  }
-
-  // Calls add(a, b) for the pairs of the bodies from `begin` to `end` of the
-  // list.
-  template <typename Add>
-  void ForEach(halfspace::Span<const std::uint32_t> active, std::size_t begin,
-               std::size_t end, const Add& add) const {
-    for (std::size_t i = begin; i < end; ++i) {
-      for (std::size_t k = first_[i]; k < first_[i + 1]; ++k) {
-        add(active[i], others_[k]);
-      }
-    }
-  }
-
- private:
-  static constexpr std::uint32_t kInactive = 0xffffffff;
-
-  std::vector<std::uint32_t> place_;  // by id
-  std::vector<halfspace::IdPair> found_;
-  std::vector<std::size_t> first_;  // by place, of others_
-  std::vector<std::uint32_t> others_;
 };
 
 // The body that a moving box hits first. `exact` returns the fraction of the
@@ -185,18 +129,17 @@ int main() {
     std::vector<std::uint32_t> place(group.size(), 0xffffffff);
     for (std::uint32_t i = 0; i < list.size(); ++i) place[list[i]] = i;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> accepted;
-    constexpr std::size_t kBatch = 3;
-    for (std::size_t first = 0; first < list.size(); first += kBatch) {
-      pairs.ForEach(list, first, std::min(first + kBatch, list.size()),
-                    [&](std::uint32_t a, std::uint32_t b) {
-                      // As Body::sFindCollidingPairsCanCollide.
-                      if (place[a] < place[b]) {
-                        accepted.push_back(std::minmax(a, b));
-                      }
-                    });
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      for (const std::uint32_t other : pairs.Of(i)) {
+        // As Body::sFindCollidingPairsCanCollide.
+        if (i < place[other]) {
+          accepted.push_back(std::minmax(list[i], other));
+        }
+      }
     }
     std::sort(accepted.begin(), accepted.end());
-    is_right = is_right && accepted == with_both;
+    is_right = is_right && accepted == with_both &&
+               pairs.Has(list.size() - 1) && !pairs.Has(list.size());
   } while (std::next_permutation(list.begin(), list.end()));
 
   // From the left: body 1 comes first, but its shape is missed.

@@ -11,7 +11,7 @@ kernels    halfspace/|hwy/|kernels/
 dispatch   halfspace/|hwy/|kernels/|dispatch/
 c          halfspace/|c/
 python     halfspace/|[a-z_]+\.h
-examples   halfspace/|hwy/|[a-z_]+\.h
+examples   halfspace/|hwy/|(engines/)?[a-z_]+\.h
 bench      halfspace/|hwy/|bench/|tests/reference/'
 # bench/inner has inner loops of its own, and the tool lists what was compiled.
 exceptions='^bench/inner/'

@@ -28,9 +28,10 @@ windows_packages=(g++-mingw-w64-x86-64-posix googletest wine64)
 # What builds the Python module and tests it, with what the tutorial uses.
 # shellcheck disable=SC2034
 python_packages=(
-  mypy pybind11-dev python3-dev python3-distributed python3-geopandas
-  python3-matplotlib python3-numpy python3-pandas python3-pip python3-pytest
-  python3-rtree python3-setuptools python3-shapely python3-venv python3-wheel)
+  mypy python3-build python3-dev python3-distributed python3-geopandas
+  python3-matplotlib python3-numpy python3-pandas python3-pip python3-pybind11
+  python3-pytest python3-rtree python3-setuptools python3-shapely python3-venv
+  python3-wheel)
 
 # Runs a command as root; without a terminal it fails rather than asks.
 as_root() {

@@ -126,8 +126,7 @@ void Records::MoveEach(std::index_sequence<kWord...>,
     writes_all = std::uint64_t{moved != 0 && moved != seen};
     if (moved == 0) continue;
     const std::uint64_t old = Mark(group, number % 64, moved);
-    const std::uint64_t stamp =
-        std::uint64_t{queries_.load(std::memory_order_seq_cst)} << 32;
+    const std::uint64_t stamp = (moved & ~old) != 0 ? TimeOfStamp() << 32 : 0;
     for (; moved != 0; moved &= moved - 1) {
       const std::size_t i = LowestBit(moved);
       Word& record = records[i * kWords];
@@ -148,6 +147,7 @@ void Records::Move(Span<const std::uint32_t> ids, const float* planes) {
 
 std::size_t Records::TakeMarks() {
   std::size_t count = 0;
+  time_.store(0, std::memory_order_seq_cst);
   has_marks_.store(false, std::memory_order_seq_cst);
   ForEachGroup([&](std::size_t, Group& group) {
     group.some_taken = group.some.load(std::memory_order_seq_cst);
@@ -166,7 +166,7 @@ std::size_t Records::TakeMarks() {
 
 void Records::Grow(std::size_t groups) {
   GroupList* const old = list_.load(std::memory_order_relaxed);
-  if (old != nullptr && old->count >= groups) return;
+  if (group_count() >= groups) return;
   const std::size_t count =
       std::max(groups, old == nullptr ? std::size_t{1} : 2 * old->count);
   const std::size_t bytes = sizeof(GroupList) + count * sizeof(GroupSlot);
@@ -230,6 +230,7 @@ void Records::Erase(std::uint32_t id) {
 void Records::Swap(Records& other) {
   list_.store(other.list_.exchange(list_));
   has_marks_.store(other.has_marks_.exchange(has_marks_));
+  time_.store(other.time_.exchange(time_));
   std::swap(bytes_, other.bytes_);
   std::swap(counts_, other.counts_);
 }

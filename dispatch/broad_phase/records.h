@@ -4,22 +4,28 @@
 // Who reads and writes what:
 // - A mover makes the record's version odd, writes the bound, sets the body's
 //   mark, and makes the version even. If the mark was not set before, it stamps
-//   the record with the number of late queries so far.
+//   the record with the time.
 // - A thread with exclusive access takes marks, and then copies the bounds of
 //   these bodies. It waits while a version is odd.
-// - A query that cannot have exclusive access is a late query, and adds 1 to
-//   their number. Bodies with a mark and a stamp of at most the number before
-//   are late: their bounds in the tree are older than the query. No mark is
-//   taken during a query, and a body that gets its mark during the query gets
-//   a later stamp. So each body is late or not for all of the query.
+// - A query that cannot have exclusive access is a late query, and takes the
+//   time. Bodies with a mark and an earlier stamp are late: their bounds in the
+//   tree are older than the query. No mark is taken during a query, and a body
+//   that gets its mark during the query gets a later stamp. So each body is
+//   late or not for all of the query.
+//
+// The time is a counter that stamps make odd and queries make even, each by
+// adding 1 if it is not. It begins at 0 when marks are taken, and from then on
+// each body gets one mark at most. So it is at most twice the number of bodies,
+// and does not wrap, however many queries run.
 //
 // No bound is lost. Marks have three levels: a bit for each body, a bit for
 // each 64 bodies, and one for all. A mover sets them upwards, a level only
 // where it is not set, and they are taken downwards, each by one exchange. All
-// of these accesses and those of the number of queries are in one total order.
-// So a mover that finds a level set is before the exchange of that level, and
-// its mark is taken. And if a query does not see a mark, the mover reads the
-// number of queries later, and its stamp is greater.
+// of these accesses and those of the time are in one total order. So a mover
+// that finds a level set is before the exchange of that level, and its mark is
+// taken. And if a query does not see a mark, the mover reads the time later,
+// and its stamp is greater. The time is set to 0 before marks are taken, so a
+// mark that is not taken gets a stamp of the new time.
 #ifndef HALFSPACE_DISPATCH_BROAD_PHASE_RECORDS_H_
 #define HALFSPACE_DISPATCH_BROAD_PHASE_RECORDS_H_
 
@@ -81,19 +87,22 @@ class Records {
   void Move(Span<const std::uint32_t> ids, const float* planes);
   // Whether any body can have a mark.
   bool HasMarks() const { return has_marks_.load(std::memory_order_acquire); }
-  // Returns the number of a new query.
-  std::uint32_t NextQuery() {
-    return queries_.fetch_add(1, std::memory_order_seq_cst);
+  // Returns the time of a new query.
+  std::uint32_t TimeOfQuery() {
+    std::uint32_t time = time_.load(std::memory_order_seq_cst);
+    while (time % 2 != 0 && !time_.compare_exchange_weak(
+                                time, time + 1, std::memory_order_seq_cst)) {
+    }
+    return time + time % 2;
   }
 
   // These need that no other thread has exclusive access.
 
   // `id` is the id of a body.
-  bool IsLate(std::uint32_t id, std::uint32_t query) const {
+  bool IsLate(std::uint32_t id, std::uint32_t time_of_query) const {
     const Group& group = *GroupAt(id / kGroupIds);
     if ((group.MarksOf(id / 64 % 64) >> id % 64 & 1) == 0) return false;
-    const auto stamp = static_cast<std::uint32_t>(Settled(*At(id)) >> 32);
-    return static_cast<std::int32_t>(query - stamp) >= 0;
+    return Settled(*At(id)) >> 32 < time_of_query;
   }
   // Calls visit(id) for each body with a mark, until it returns false.
   template <typename Visit>
@@ -115,6 +124,13 @@ class Records {
   // These need exclusive access: no query and no other change may run at the
   // same time, but movers may.
 
+  // Allocates the list of groups for ids below a limit, or the list that
+  // another object has. Reserve() of one id after another would leave several
+  // lists. Throws std::bad_alloc.
+  void ReserveList(std::size_t id_limit) {
+    Grow((id_limit + kGroupIds - 1) / kGroupIds);
+  }
+  void ReserveListOf(const Records& other) { Grow(other.group_count()); }
   // Allocates the records of these ids. Throws std::bad_alloc.
   void Reserve(Span<const std::uint32_t> ids);
   // Writes a body's bound, after Reserve(). Returns false, and changes nothing,
@@ -316,6 +332,12 @@ class Records {
   void MoveEach(std::index_sequence<kWord...> each,
                 Span<const std::uint32_t> ids, const float* planes);
   std::uint64_t Mark(Group& group, std::size_t w, std::uint64_t bits);
+  // Of marks that have been set.
+  std::uint64_t TimeOfStamp() {
+    std::uint32_t time = time_.load(std::memory_order_seq_cst);
+    if (time % 2 == 0) time = time_.fetch_or(1, std::memory_order_seq_cst);
+    return time | 1;
+  }
   void Add(ChangedSet set, Group& group, std::size_t w, std::uint64_t bits) {
     counts_[set] += PopCount(bits & ~group.changed[set][w]);
     group.changed[set][w] |= bits;
@@ -329,7 +351,7 @@ class Records {
   std::size_t counts_[2] = {};  // of the bodies in each ChangedSet
   std::atomic<GroupList*> list_{nullptr};
   std::atomic<bool> has_marks_{false};
-  std::atomic<std::uint32_t> queries_{0};
+  std::atomic<std::uint32_t> time_{0};
 };
 
 }  // namespace halfspace::detail

@@ -1,4 +1,5 @@
 // Copies of a broad phase, and its bytes.
+#include <algorithm>
 #include <cstring>
 #include <string>
 #include <utility>
@@ -77,6 +78,7 @@ BroadPhaseCore::BroadPhaseCore(const BroadPhaseCore& other)
   BroadPhaseState& from = *other.state_;
   const Changing changing("BroadPhase", from);
   from.Flush();
+  state_->records.ReserveListOf(from.records);
   state_->Adopt(BvhTree(from.tree, from.options.memory));
   state_->events = PairEventsCore(from.events, from.options.memory);
   state_->collides_with = from.collides_with;
@@ -157,8 +159,18 @@ void BroadPhaseCore::Load(Span<const std::byte> bytes) {
   const auto changed = parts.Next<std::uint32_t>(header.changed);
   const auto changed_for_order =
       parts.Next<std::uint32_t>(header.changed_for_order);
+  std::size_t id_limit = 0;
+  for (const Span<const std::uint32_t> ids : {changed, changed_for_order}) {
+    for (const std::uint32_t id : ids) {
+      if (id >= kMostObjects) {
+        ThrowNotSaved("ids below 2^31", std::to_string(id));
+      }
+      id_limit = std::max<std::size_t>(id_limit, id + 1);
+    }
+  }
   BvhTree tree(state.type, state.options.memory);
   if (!blob.empty()) tree.Load(blob, false);
+  to.records.ReserveList(std::max(id_limit, tree.id_limit()));
   to.Adopt(std::move(tree));
   to.events.Load(pairs);
   to.changes = header.changes;
@@ -168,13 +180,8 @@ void BroadPhaseCore::Load(Span<const std::byte> bytes) {
                   std::to_string(collides_with.size()) + " masks");
   }
   const auto add = [&](Records::ChangedSet set, Span<const std::uint32_t> ids) {
-    for (const std::uint32_t id : ids) {
-      if (id >= kMostObjects) {
-        ThrowNotSaved("ids below 2^31", std::to_string(id));
-      }
-      to.records.Reserve({&id, 1});
-      to.records.Add(set, id);
-    }
+    to.records.Reserve(ids);
+    for (const std::uint32_t id : ids) to.records.Add(set, id);
   };
   add(Records::kForPairs, changed);
   add(Records::kForOrder, changed_for_order);

@@ -170,7 +170,7 @@ Reading::Reading(BroadPhaseState& state)
   innermost_ = this;
   if (is_at_once && state.records.HasMarks()) {
     is_exact_ = false;
-    query_ = state.records.NextQuery();
+    time_ = state.records.TimeOfQuery();
   }
 }
 

@@ -121,7 +121,7 @@ class Reading {
   // Whether the tree has the bounds of all bodies. Otherwise some are late.
   bool is_exact() const { return is_exact_; }
   bool IsLate(std::uint32_t id) const {
-    return state_.records.IsLate(id, query_);
+    return state_.records.IsLate(id, time_);
   }
 
  private:
@@ -132,7 +132,7 @@ class Reading {
   const Reading* const outer_;
   const std::size_t line_;
   bool is_exact_;
-  std::uint32_t query_ = 0;
+  std::uint32_t time_ = 0;
 };
 
 // Exclusive access, during the life of an object of this class.

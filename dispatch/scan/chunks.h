@@ -8,6 +8,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "dispatch/scan/prepare.h"
 #include "halfspace/detail/scan.h"
@@ -196,23 +197,17 @@ struct Rows {
   std::uint64_t words[2][Queries::kRows * kRowWords];
 };
 
-// Tests every batch of queries on every tile of objects. Calls visit(tested)
-// for each chunk, after it was refined, until visit() returns false.
-// place(chunk, turn) sets the rows and the stride of a chunk. The rows of two
-// turns are in use at the same time. `tested` says which words are nonzero only
-// if bounds are refined.
+// Calls test(chunk) for every batch of queries on every tile of objects, until
+// it returns false. Returns whether it never did. The rows of the chunks are
+// not set.
 //
 // Queries are encoded once for all tiles, kBlock at a time. kBlock is so large
 // that reading the world again for the next block costs little.
-template <typename Queries, typename Place, typename Visit>
-void VisitChunks(const Scan& scan, Place& place, const Visit& visit) {
+template <typename Queries, typename Test>
+HALFSPACE_ALWAYS_INLINE bool ForEachChunk(const Scan& scan, const Test& test) {
   const detail::ScanType& type = *scan.type;
   alignas(16) std::byte
       quantized[Queries::kBlock * detail::kMaxPlanes * sizeof(std::int16_t)];
-  // The floats that refine the previous chunk are still being fetched.
-  Tested chunks[2];
-  std::size_t turn = 0;
-  bool is_waiting = false;
   const std::size_t most =
       type.encode != nullptr ? Queries::kBlock : scan.query_count;
   for (std::size_t first = 0; first < scan.query_count; first += most) {
@@ -225,43 +220,55 @@ void VisitChunks(const Scan& scan, Place& place, const Visit& visit) {
     const std::size_t batches = (block + kMostQueries - 1) / kMostQueries;
     std::size_t objects =
         Queries::kIsUrgent ? Queries::kOneRow : ChunkObjects(scan);
-    for (std::size_t begin = scan.begin; begin < scan.end;) {
-      const std::size_t end = std::min(scan.end - begin, objects) + begin;
+    for (std::size_t begin = scan.begin, end; begin < scan.end; begin = end) {
+      end = std::min(scan.end - begin, objects) + begin;
       for (std::size_t b = 0; b < batches; ++b) {
         if (batches > 1) PrefetchTile(scan, end, objects, b, batches);
         const std::size_t q = b * kMostQueries;
-        Tested* tested = &chunks[turn];
-        tested->chunk = {.first_query = first + q,
-                         .query_count = std::min(kMostQueries, block - q),
-                         .queries = queries + q * type.record_bytes,
-                         .begin = begin,
-                         .end = end,
-                         .rows = nullptr,
-                         .stride = 0};
-        place(tested->chunk, turn);
-        if (!type.is_refined) {
-          Run(scan, tested->chunk);
-        } else {
-          FindCandidates(scan, *tested);
-          if (!Queries::kIsUrgent) {
-            turn ^= 1;
-            tested = &chunks[turn];
-            if (!is_waiting) {
-              is_waiting = true;
-              continue;
-            }
-          }
-          Refine(scan, *tested);
+        if (!test(Chunk{.first_query = first + q,
+                        .query_count = std::min(kMostQueries, block - q),
+                        .queries = queries + q * type.record_bytes,
+                        .begin = begin,
+                        .end = end,
+                        .rows = nullptr,
+                        .stride = 0})) {
+          return false;
         }
-        if (!visit(*tested)) return;
       }
-      begin = end;
       if (Queries::kIsUrgent) objects = kRowObjects;
     }
   }
-  if (!is_waiting) return;
-  Refine(scan, chunks[turn ^ 1]);
-  visit(chunks[turn ^ 1]);
+  return true;
+}
+
+// Tests every chunk and calls visit(tested), until it returns false. Bounds
+// that floats refine are refined one chunk later, unless a survivor is urgent,
+// because their floats are still being fetched.
+//
+// place(chunk, turn) sets the rows and the stride of a chunk. The rows of two
+// turns are in use at the same time. `tested` says which words are nonzero only
+// if bounds are refined.
+template <typename Queries, typename Place, typename Visit>
+void VisitChunks(const Scan& scan, Place& place, const Visit& visit) {
+  Tested chunks[2];
+  Tested* last = nullptr;  // the chunk that waits to be refined, or null
+  const auto refine = [&](Tested* tested) {
+    if (tested == nullptr) return true;
+    Refine(scan, *tested);
+    return visit(*tested);
+  };
+  const bool visited = ForEachChunk<Queries>(scan, [&](const Chunk& chunk) {
+    Tested* const tested = &chunks[last == &chunks[0]];
+    tested->chunk = chunk;
+    place(tested->chunk, last == &chunks[0]);
+    if (!scan.type->is_refined) {
+      Run(scan, tested->chunk);
+      return visit(*tested);
+    }
+    FindCandidates(scan, *tested);
+    return refine(Queries::kIsUrgent ? tested : std::exchange(last, tested));
+  });
+  if (visited) refine(last);
 }
 
 // The same with rows on the stack, and `tested` always says which words are
@@ -293,19 +300,14 @@ template <typename Queries, typename Visit>
 HALFSPACE_ALWAYS_INLINE void VisitWords(Scan& scan, const Options& options,
                                         const Visit& visit) {
   if constexpr (Queries::kOneRow != 0) {
-    if (IsShort(scan)) {
-      std::uint64_t word;
-      WriteFlatMask(scan, &word);
-      visit(OneRow(scan, &word, word != 0));
-      return;
-    }
     const std::size_t objects = scan.end - scan.begin;
     if (objects <= Queries::kOneRow && scan.type->encode == nullptr) {
-      ChooseKernel(scan, options);
       std::uint64_t words[Queries::kOneRow / 64];
-      Run(scan, WholeRange(scan, words));
+      WriteWords(scan, options, words);
+      const std::size_t count = MaskWords(objects);
       visit(OneRow(scan, words,
-                   scan.kernels->nonzero_words(words, MaskWords(objects))));
+                   count == 1 ? words[0] != 0
+                              : scan.kernels->nonzero_words(words, count)));
       return;
     }
   }

@@ -163,9 +163,9 @@ inline void ChooseKernel(detail::Scan& scan, const Options& options) {
   if (scan.is_streaming) scan.kernel = kStreamingKernelOf[scan.kernel];
 }
 
-// Writes the words of one query on the objects of the range, on all planes at
-// once. Not for quantized bounds.
-inline void WriteFlatMask(const detail::Scan& scan, std::uint64_t* words) {
+// Writes the words of one query on the objects of the range by a MaskKernel.
+// Not for quantized bounds.
+inline void WriteFewWords(const detail::Scan& scan, std::uint64_t* words) {
   const auto& masks = scan.type->flat == detail::kMinima
                           ? scan.kernels->mask_of_minima
                           : scan.kernels->mask_of_all;
@@ -173,22 +173,30 @@ inline void WriteFlatMask(const detail::Scan& scan, std::uint64_t* words) {
                       scan.queries, words);
 }
 
-// Whether WriteFlatMask() is how a scan of floats or doubles is tested.
-inline bool IsFlat(const detail::Scan& scan, const Options& options) {
-  const std::size_t objects = scan.end - scan.begin;
-  if (objects < 64) return true;
-  if (options.schedule == Schedule::kFlat || !scan.type->has_max) {
-    return objects <= detail::kFewObjects;
-  }
-  return options.schedule == Schedule::kAuto &&
-         objects <= (scan.type->kind == detail::PlaneLayout::kAabo
-                         ? scan.kernels->few_octahedra
-                         : scan.kernels->few_objects);
+// The most objects of kAuto that a MaskKernel tests. Simplices in cache have no
+// other way.
+inline std::size_t FewObjects(const detail::PlaneLayout& layout,
+                              std::size_t element_bytes,
+                              const detail::TargetKernels& kernels) {
+  if (!layout.has_max)
+    return kInCacheBytes / (layout.plane_count * element_bytes);
+  return layout.kind == detail::PlaneLayout::kAabo ? kernels.few_octahedra
+                                                   : kernels.few_objects;
 }
 
-// A range of fewer than 64 floats or doubles is one word.
-inline bool IsShort(const detail::Scan& scan) {
-  return scan.end - scan.begin - 1 < 63 && scan.type->encode == nullptr;
+// The same for any number of objects, by the schedule.
+inline void WriteWords(detail::Scan& scan, const Options& options,
+                       std::uint64_t* words) {
+  const std::size_t objects = scan.end - scan.begin;
+  if (objects < 64 ||
+      (options.schedule == Schedule::kAuto &&
+       objects <=
+           FewObjects(*scan.type, scan.type->element_bytes, *scan.kernels))) {
+    WriteFewWords(scan, words);
+  } else {
+    ChooseKernel(scan, options);
+    Run(scan, WholeRange(scan, words));
+  }
 }
 
 }  // namespace halfspace::dispatch

@@ -34,12 +34,9 @@ inline void WriteMask(Scan& scan, Span<std::uint64_t> mask,
   if (scan.type->encode != nullptr) {
     dispatch::ChooseKernel(scan, options);
     WriteQuantizedMask(scan, mask.data());
-  } else if (dispatch::IsFlat(scan, options)) {
-    dispatch::WriteFlatMask(scan, mask.data());
   } else {
     // Without chunks, a small call costs little more than its kernel.
-    dispatch::ChooseKernel(scan, options);
-    dispatch::Run(scan, dispatch::WholeRange(scan, mask.data()));
+    dispatch::WriteWords(scan, options, mask.data());
   }
   if (flip != 0) dispatch::Flip(mask.data(), MaskWords(scan.end - scan.begin));
 }
@@ -86,7 +83,7 @@ void ForEachSurvivor(Scan&& scan, SomeFunction function, void* context,
   dispatch::Prepare(scan, options, "ForEachSurvivor", [](std::size_t) {
     return Output{"indices", nullptr, 0, 0, sizeof(std::uint32_t), true};
   });
-  std::array<std::uint32_t, 192> some;  // a call takes at most 8 KiB of stack
+  std::array<std::uint32_t, 160> some;  // a call takes at most 8 KiB of stack
   std::size_t count = 0;
   bool goes_on = true;
   const auto pass = [&] {

@@ -6,8 +6,7 @@
 namespace halfspace::dispatch {
 
 void WriteManyObjects(detail::Scan& scan, std::uint64_t* mask) {
-  ChooseKernel(scan, Options());
-  Run(scan, WholeRange(scan, mask));
+  WriteWords(scan, Options(), mask);
 }
 
 void WriteEachQuery(detail::Scan& scan, std::uint64_t* masks) {

@@ -21,7 +21,7 @@
 
 namespace halfspace::dispatch {
 
-// The calls for more objects than WriteFlatMask() takes: of one query, and of
+// The calls for more objects than a MaskKernel takes: of one query, and of
 // several.
 void WriteManyObjects(detail::Scan& scan, std::uint64_t* mask);
 void WriteEachQuery(detail::Scan& scan, std::uint64_t* masks);
@@ -102,13 +102,10 @@ class Unchecked {
                   std::uint64_t* mask) noexcept {
     assert(AreValid(planes, n, query, mask));
     constexpr bool kHasMax = detail::HasMax<typename View::Bound>;
-    constexpr bool kHasD = View::Bound::kAxes > View::Bound::kDimensions;
     const detail::TargetKernels& kernels =
         detail::ScanKernelsOf<View::Bound::kAxes, T>::kTargets[kTarget];
-    const std::size_t few = !kHasMax ? detail::kFewObjects
-                            : kHasD  ? kernels.few_octahedra
-                                     : kernels.few_objects;
-    if (n - 1 < few) [[likely]] {
+    if (n - 1 < FewObjects(detail::kLayoutOf<typename View::Bound>, sizeof(T),
+                           kernels)) [[likely]] {
       (kHasMax ? kernels.mask_of_all
                : kernels.mask_of_minima)[WideVectorsPay()](planes, 0, n, query,
                                                            mask);

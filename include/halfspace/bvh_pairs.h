@@ -157,8 +157,8 @@ void ForEachPair(const Bvh<View>& a, const Bvh<View>& b, Function&& function,
 // the set is found once, and `a` has the earlier slot in ids(). The call does
 // not say whether `b` is in the set too. A caller that accepts such a pair in
 // one order only, as Jolt does, keeps the place of each object in its list, by
-// id, and swaps the two if `b` has an earlier one: docs/porting.md has the
-// code. An id may be in the list more than once.
+// id, and swaps the two if `b` has an earlier one
+// (examples/engines/active_pairs.h). An id may be in the list more than once.
 //
 // The cost grows with the set and not with the world: up to 1.5 times that of a
 // Survivors() call for each object of a small set, and less for a large one.

@@ -63,8 +63,8 @@ HWY_INLINE uint64_t SurvivorsOfFew(std::index_sequence<kPlane...>,
                                    const T* query) {
   const WordTag<T> d;
   const auto values = ValuesOf<kMins, kMaxs>(query);
-  return KeptTail<kMins>(d, planes, i, n,
-                         hn::Set(d, values.template Of<kMins>(kPlane))...);
+  return KeptTail<kMins, false>(
+      d, planes, i, i + n, hn::Set(d, values.template Of<kMins>(kPlane))...);
 }
 
 template <int kDims, typename T>

@@ -36,10 +36,9 @@
 // neither planes nor queries. A library that was built without NDEBUG asserts
 // the first two. reject.h has the same calls with checks, options and worlds.
 //
-// Cost: a call is three jumps more than its loop. Up to 512 objects are tested
-// on all planes at once, more of them as by Schedule::kAuto (reject.h). Several
-// queries share the loads of planes. `./bench.sh --details tier` compares the
-// calls with loops by hand.
+// Cost: a call is three jumps more than its loop. Objects are tested as by
+// Schedule::kAuto (reject.h). Several queries share the loads of planes.
+// `./bench.sh --details tier` compares the calls with loops by hand.
 //
 // Errors: none. The first call chooses the target (targets.h). If the
 // environment variable HALFSPACE_TARGET names none of this machine, the process

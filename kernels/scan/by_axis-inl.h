@@ -105,7 +105,8 @@ HWY_NOINLINE void TestAll(D d, Load load,
 template <class D, class Load, size_t kMins, size_t kPlanes, typename T>
 HWY_INLINE size_t TestGroups(D d, Load load,
                              const PlaneGroup<kMins, kPlanes, T>& group,
-                             Groups& groups, bool is_last, uint64_t* row) {
+                             Groups<kGroupObjects>& groups, bool is_last,
+                             uint64_t* row) {
   size_t left = 0;
   group.With(d, [&](const T* const* planes, auto... values) HWY_ATTR {
     left = groups.Visit(row, is_last, [&](size_t i) HWY_ATTR {
@@ -143,7 +144,7 @@ HWY_INLINE void TestBits(const detail::Scan& scan, const T* values, size_t axis,
 // the groups that have a survivor.
 template <size_t kFirst, typename T>
 HWY_INLINE Left TestFirst(const detail::Scan& scan, const detail::Chunk& tile,
-                          Groups& groups) {
+                          Groups<kGroupObjects>& groups) {
   const size_t words = (tile.end - tile.begin) / kWordObjects;
   TestAll<kInCachePack>(
       WordTag<T>(), LoadAll(),
@@ -164,7 +165,7 @@ HWY_NOINLINE Left TileByAxis(const detail::Scan& scan,
   const size_t axes = scan.type->axes;
   const T* const values = static_cast<const T*>(tile.queries);
   const size_t words = (tile.end - tile.begin) / kWordObjects;
-  Groups groups;
+  Groups<kGroupObjects> groups;
   const Left after_first = TestFirst<kFirst, T>(scan, tile, groups);
   if constexpr (!kHasVectors) {
     TestBits(scan, values, kFirst, tile.begin, words, tile.rows);

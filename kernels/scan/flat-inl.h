@@ -27,19 +27,17 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Returns run(load), with aligned loads where it pays and `addresses`, the bits
-// of the first objects' in all planes, are those of aligned ones.
-template <typename T, class Run>
-HWY_INLINE auto WithLoad(uintptr_t addresses, const Run& run) {
-  if constexpr (kAlignedLoadsPay && std::is_same_v<T, float>) {
-    if (addresses % 64 == 0) return run(LoadAligned());
-  }
-  return run(LoadAll());
-}
+// Returns run(load), with aligned loads where it pays and all planes are
+// aligned at object `begin`.
 template <typename T, class Run>
 HWY_INLINE auto WithLoad(const detail::Scan& scan, size_t begin,
                          const Run& run) {
-  return WithLoad<T>(scan.addresses.bits | begin * sizeof(T), run);
+  if constexpr (kAlignedLoadsPay && std::is_same_v<T, float>) {
+    if ((scan.addresses.bits | begin * sizeof(T)) % 64 == 0) {
+      return run(LoadAligned());
+    }
+  }
+  return run(LoadAll());
 }
 
 // Returns run(tag), with the vectors for one query.
@@ -58,99 +56,82 @@ QueryValues<T> ValuesOf(const detail::Scan& scan, const T* query) {
   return {query + scan.type->first_max, query};
 }
 
-// The last, partial word, from object i on. A function of its own, because
-// calls on short ranges need no other.
+// These are functions, because gcc does not inline lambdas of their size.
+// Pointers are copied, because the compiler would load what it finds by a
+// pointer again after every store of a word.
+
+template <size_t kMins, class D, typename T, size_t... kPlane>
+HWY_INLINE uint64_t TailWord(std::index_sequence<kPlane...>, D d,
+                             const T* const* planes, QueryValues<T> query,
+                             size_t i, size_t count) {
+  const T* copies[] = {planes[kPlane] + i...};
+  return KeptTail<kMins, false>(
+      d, copies, 0, count, hn::Set(d, query.template Of<kMins>(kPlane))...);
+}
+
+// The last, partial word of a row, or a few objects, from object i on. A
+// function of its own, because FlatWords() needs more registers.
 template <size_t kMins, size_t kMaxs, typename T>
 HWY_NOINLINE void FlatTail(const T* const* planes, QueryValues<T> query,
                            size_t i, size_t count, uint64_t* word) noexcept {
-  const WordTag<T> d;
-  const auto test = [&]<size_t... kPlane>(std::index_sequence<kPlane...>)
-      HWY_ATTR {
-    const T* copies[] = {planes[kPlane]...};
-    *word = KeptTail<kMins>(d, copies, i, count,
-                            hn::Set(d, query.template Of<kMins>(kPlane))...);
-  };
-  test(std::make_index_sequence<kMins + kMaxs>());
+  *word = TailWord<kMins>(std::make_index_sequence<kMins + kMaxs>(),
+                          WordTag<T>(), planes, query, i, count);
 }
 
-#if HALFSPACE_MASKED_COMPARES
-
-// One whole word, with vectors of 512 bits. A call on 64 objects takes 2.2 to
-// 3.2 ns less than with 256 (Zen 5), because four masks become a word sooner
-// than eight vectors of verdicts.
-template <size_t kMins, size_t kMaxs, typename T>
-HWY_NOINLINE void FlatWord(const T* const* planes, QueryValues<T> query,
-                           size_t first, uint64_t* word) noexcept {
-  const WordTag<T> d;
-  const auto test = [&]<size_t... kPlane>(std::index_sequence<kPlane...>)
-      HWY_ATTR {
-    const T* copies[] = {planes[kPlane]...};
-    *word = KeptBits<kMins>(d, LoadAll(), copies, first,
-                            hn::Set(d, query.template Of<kMins>(kPlane))...);
-  };
-  test(std::make_index_sequence<kMins + kMaxs>());
+template <size_t kMins, class D, typename T, class... V>
+HWY_INLINE void WriteWords(D d, bool is_aligned, const T* const* planes,
+                           size_t count, uint64_t* row, V... query) {
+  size_t i = 0;
+  do {
+    *row++ = is_aligned ? KeptBits<kMins>(d, LoadAligned(), planes, i, query...)
+                        : KeptBits<kMins>(d, LoadAll(), planes, i, query...);
+    i += kWordObjects;
+  } while (count - i >= kWordObjects);
+  if (i == count) return;
+  *row = KeptTail<kMins, true>(d, planes, i, count, query...);
+}
+template <size_t kMins, class D, typename T, size_t... kPlane>
+HWY_INLINE void WriteWords(std::index_sequence<kPlane...>, D d,
+                           const T* const* planes, QueryValues<T> query,
+                           size_t first, size_t count, uint64_t* row) {
+  const T* copies[] = {planes[kPlane] + first...};
+  bool is_aligned = false;
+  if constexpr (kAlignedLoadsPay && std::is_same_v<T, float>) {
+    is_aligned = (... | reinterpret_cast<uintptr_t>(copies[kPlane])) % 64 == 0;
+  }
+  WriteWords<kMins>(d, is_aligned, copies, count, row,
+                    hn::Set(d, query.template Of<kMins>(kPlane))...);
 }
 
-#endif  // HALFSPACE_MASKED_COMPARES
-
-// The first words * 64 objects from `first` on, at least 64. A function of its
-// own, like FlatTail: what the other needs would take registers.
+// The words of objects first ... first + count - 1, at least 64, on the first
+// kMins + kMaxs planes.
 template <size_t kMins, size_t kMaxs, class D, typename T>
 HWY_NOINLINE void FlatWords(const T* const* planes, QueryValues<T> query,
-                            size_t first, size_t words,
+                            size_t first, size_t count,
                             uint64_t* row) noexcept {
-  uintptr_t addresses = first * sizeof(T);
-  for (size_t p = 0; kAlignedLoadsPay && p < kMins + kMaxs; ++p) {
-    addresses |= reinterpret_cast<uintptr_t>(planes[p]);
-  }
-  WithLoad<T>(addresses, [&](auto load) HWY_ATTR {
-    const D d;
-    const auto write = [&](const T* const* copies, auto... compared) HWY_ATTR {
-      for (size_t w = 0; w < words; ++w) {
-        row[w] = KeptBits<kMins>(d, load, copies, first + w * kWordObjects,
-                                 compared...);
-      }
-    };
-    const auto test = [&]<size_t... kPlane>(std::index_sequence<kPlane...>)
-        HWY_ATTR {
-      // Local copies, because the compiler would load what it finds by a
-      // pointer again after every store of a word.
-      const T* copies[] = {planes[kPlane]...};
-      write(copies, hn::Set(d, query.template Of<kMins>(kPlane))...);
-    };
-    test(std::make_index_sequence<kMins + kMaxs>());
-  });
-}
-
-// Both, for more than 64 objects.
-template <size_t kMins, size_t kMaxs, class D, typename T>
-HWY_NOINLINE void FlatWordsAndTail(const T* const* planes, QueryValues<T> query,
-                                   size_t first, size_t count,
-                                   uint64_t* row) noexcept {
-  const size_t words = count / kWordObjects;
-  FlatWords<kMins, kMaxs, D>(planes, query, first, words, row);
-  FlatTail<kMins, kMaxs>(planes, query, first + words * kWordObjects,
-                         count % kWordObjects, row + words);
+  WriteWords<kMins>(std::make_index_sequence<kMins + kMaxs>(), D(), planes,
+                    query, first, count, row);
 }
 
 // A MaskKernel (kernel_table.h). It ends by a jump to another function, so it
-// saves no registers.
+// saves no registers. Up to one word is tested by vectors of 512 bits, if the
+// target has them: a call on 64 objects takes 2.2 to 3.2 ns less than with 256
+// (Zen 5), because four masks become a word sooner than eight vectors of
+// verdicts.
 template <size_t kMins, size_t kMaxs, class D>
-HWY_NOINLINE void FlatMask(const void* pointers, size_t first, size_t count,
-                           const void* values, uint64_t* row) noexcept {
+HWY_INLINE void FlatMask(const void* pointers, size_t first, size_t count,
+                         const void* values, uint64_t* row) noexcept {
   using T = hn::TFromD<D>;
   const T* const* planes = static_cast<const T* const*>(pointers);
   const auto query = ValuesOf<kMins, kMaxs>(static_cast<const T*>(values));
-  if (count - 1 < kWordObjects - 1) {  // not of 0 objects
-    FlatTail<kMins, kMaxs>(planes, query, first, count, row);
-#if HALFSPACE_MASKED_COMPARES
+  if (count < kWordObjects) {
+    if (count != 0) {
+      FlatTail<kMins, kMaxs>(planes, query, first, count, row);
+    }
   } else if (count == kWordObjects) {
-    FlatWord<kMins, kMaxs>(planes, query, first, row);
-#endif
-  } else if (count % kWordObjects == 0) {
-    FlatWords<kMins, kMaxs, D>(planes, query, first, count / kWordObjects, row);
+    FlatWords<kMins, kMaxs, WordTag<T>>(planes, query, first, count, row);
   } else {
-    FlatWordsAndTail<kMins, kMaxs, D>(planes, query, first, count, row);
+    FlatWords<kMins, kMaxs, D>(planes, query, first, count, row);
   }
 }
 

@@ -10,8 +10,7 @@
 
 namespace halfspace::detail {
 
-// So many simplices are tested by mask_of_minima; of other shapes on targets
-// with vectors as many by mask_of_all.
+// So many objects are tested for half-spaces by a MaskKernel.
 inline constexpr std::size_t kFewObjects = 512;
 
 // The most queries of a chunk: a batch.
@@ -37,9 +36,9 @@ struct Chunk {
 // can tell which one runs.
 using Kernel = std::int64_t (*)(const Scan& scan, const Chunk& chunk);
 
-// Writes the words of survivors of `count` objects from `begin` on, on all
-// planes at once. `planes` are those of a view, `query` is one of its queries.
-// Nothing past the last object survives.
+// Writes the words of survivors of `count` objects from `begin` on. `planes`
+// are those of a view, `query` is one of its queries. Nothing past the last
+// object survives.
 using MaskKernel = void (*)(const void* planes, std::size_t begin,
                             std::size_t count, const void* query,
                             std::uint64_t* words) noexcept;
@@ -50,7 +49,7 @@ struct TargetKernels {
   // other targets both are the same.
   MaskKernel mask_of_minima[2];  // of a simplex
   MaskKernel mask_of_all[2];     // of the other shapes
-  // Up to so many objects mask_of_all is as fast as stages: boxes, octahedra.
+  // Up to so many objects mask_of_all is the fastest: boxes, octahedra.
   std::size_t few_objects;
   std::size_t few_octahedra;
 

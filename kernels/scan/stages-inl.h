@@ -14,6 +14,7 @@
 #include "hwy/highway.h"
 #include "kernels/compiler.h"
 #include "kernels/scan/by_axis-inl.h"
+#include "kernels/scan/few-inl.h"
 #include "kernels/scan/flat-inl.h"
 #include "kernels/scan/kernel_table.h"
 #include "kernels/scan/words-inl.h"
@@ -262,7 +263,7 @@ HWY_INLINE void TestMaxima(const detail::Scan& scan,
     const auto group = MaximaFrom<kAxes>(
         scan, static_cast<const T*>(of_query.queries), of_query.begin);
     if constexpr (std::is_floating_point_v<T>) {
-      Groups groups;
+      Groups<kGroupObjects> groups;
       if (4 * hwy::PopCount(nonzero) > words &&
           !Left{groups.Find(row, words), words * kWordGroups}.IsAlmostAll()) {
         TestGroups(d, LoadAll(), group, groups, true, row);
@@ -436,12 +437,14 @@ constexpr detail::TargetKernels MakeKernels() {
   kernels.run[detail::kAll] = &Flat<kAxes, kAxes, T>;
   kernels.run[detail::kAllStreaming] = &ElementKernels<T>::StreamAll;
   if constexpr (std::is_floating_point_v<T>) {
-    kernels.mask_of_all[0] = &FlatMask<kAxes, kAxes, OneTag<T>>;
-    kernels.mask_of_all[1] = &FlatMask<kAxes, kAxes, WordTag<T>>;
-    kernels.few_objects =
-        HWY_MIN(detail::kFewObjects, kFewWords * kWordObjects - 1);
+    kernels.mask_of_all[0] = &FewMask<kAxes, OneTag<T>>;
+    kernels.mask_of_all[1] = &FewMask<kAxes, WordTag<T>>;
+    constexpr size_t kMostWords = !kHasVectors               ? 0
+                                  : std::is_same_v<T, float> ? kTileWords
+                                                             : kFewWords - 1;
+    kernels.few_objects = (kMostWords + 1) * kWordObjects - 1;
     kernels.few_octahedra =
-        kHasVectors ? 32 * HWY_MIN(size_t{8}, hn::MaxLanes(OneTag<float>()))
+        kHasVectors ? 48 * HWY_MIN(size_t{8}, hn::MaxLanes(OneTag<float>())) - 1
                     : kWordObjects - 1;
     kernels.run[detail::kByAxis] = &ElementKernels<T>::ByAxis;
     kernels.run[detail::kByHalf] =

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 
 #include "halfspace/detail/word-inl.h"
 #include "hwy/highway.h"
@@ -57,31 +58,39 @@ inline constexpr size_t kTileWords = 64;
 #if HWY_HAVE_SCALABLE
 // A group must hold a whole vector, whose length is not known here.
 inline constexpr size_t kGroupObjects = kWordObjects;
-using GroupBits = uint64_t;
 #else
 inline constexpr size_t kGroupObjects = 16;
-using GroupBits = uint16_t;
 #endif
 inline constexpr size_t kWordGroups = kWordObjects / kGroupObjects;
+
+template <size_t kGroup>
+using GroupBits =
+    std::conditional_t<kGroup == 64, uint64_t,
+                       std::conditional_t<kGroup == 16, uint16_t, uint8_t>>;
 
 // ANDs bits to those of a group of the row. A load and a store of these bits
 // alone: a change of the whole word would wait for the change of the group
 // before, and a scan by axis took up to 1.5 times as long.
-HWY_INLINE GroupBits AndGroup(uint64_t* row, size_t group, uint64_t bits) {
-  char* const at = reinterpret_cast<char*>(row) + group * sizeof(GroupBits);
-  GroupBits left;
+template <size_t kGroup>
+HWY_INLINE GroupBits<kGroup> AndGroup(uint64_t* row, size_t group,
+                                      uint64_t bits) {
+  GroupBits<kGroup> left;
+  char* const at = reinterpret_cast<char*>(row) + group * sizeof(left);
   std::memcpy(&left, at, sizeof(left));
-  left &= static_cast<GroupBits>(bits);
+  left &= static_cast<GroupBits<kGroup>>(bits);
   std::memcpy(at, &left, sizeof(left));
   return left;
 }
 
-// The groups of a tile that have a survivor. They are found by vectors, because
-// which groups survive cannot be predicted: a branch for each took three times
-// as long as a flat scan.
+// The groups of kGroup objects, of at most a tile, that have a survivor. They
+// are found by vectors, because which groups survive cannot be predicted: a
+// branch for each took three times as long as a flat scan.
+template <size_t kGroup>
 class Groups {
+  static_assert(kGroup == 8 || kGroup == 16 || kGroup == kWordObjects);
+
  public:
-  // Finds them in the words of a tile, and returns their number.
+  // Finds them in some words, and returns their number.
   HWY_INLINE size_t Find(const uint64_t* row, size_t words);
 
   // ANDs kept(i), the bits of the group that begins at object i, to the row of
@@ -92,16 +101,25 @@ class Groups {
                           const Kept& kept);
 
  private:
+  static constexpr size_t kInWord = kWordObjects / kGroup;
+  static constexpr size_t kMost = kTileWords * kInWord;
+
 #if HALFSPACE_MASKED_COMPARES
   // Keeps the numbers ids(0), ids(16), ... whose groups have a bit.
   template <class Ids>
-  HWY_INLINE size_t Keep(const GroupBits* bits, const Ids& ids) {
+  HWY_INLINE size_t Keep(const GroupBits<kGroup>* bits, const Ids& ids) {
     size_t kept = 0;
     for (size_t j = 0; j < count_; j += kLanes) {
       const auto in = static_cast<__mmask16>(
           count_ - j < kLanes ? (1u << (count_ - j)) - 1 : 0xffff);
-      const __m256i some = _mm256_maskz_loadu_epi16(in, bits + j);
-      const __mmask16 left = _mm256_test_epi16_mask(some, some);
+      __mmask16 left;
+      if constexpr (kGroup == 8) {
+        const __m128i some = _mm_maskz_loadu_epi8(in, bits + j);
+        left = _mm_test_epi8_mask(some, some);
+      } else {
+        const __m256i some = _mm256_maskz_loadu_epi16(in, bits + j);
+        left = _mm256_test_epi16_mask(some, some);
+      }
       _mm512_storeu_si512(ids_ + kept,
                           _mm512_maskz_compress_epi32(left, ids(j)));
       kept += hwy::PopCount(left);
@@ -111,35 +129,38 @@ class Groups {
 
   // A list of their numbers.
   static constexpr size_t kLanes = 16;
-  uint32_t ids_[kTileWords * kWordGroups + kLanes];
-  GroupBits bits_[kTileWords * kWordGroups];
+  uint32_t ids_[kMost + kLanes];
+  GroupBits<kGroup> bits_[kMost];
   size_t count_;
 #else
   // One bit for each group. A list of their numbers took 1.1 to 1.5 times as
   // long with SSE4 and AVX2.
-  uint64_t bits_[kTileWords * kWordGroups / 64];
+  uint64_t bits_[kMost / 64];
   size_t words_;
 #endif
 };
 
 #if HALFSPACE_MASKED_COMPARES
 
-HWY_INLINE size_t Groups::Find(const uint64_t* row, size_t words) {
-  count_ = words * kWordGroups;
+template <size_t kGroup>
+HWY_INLINE size_t Groups<kGroup>::Find(const uint64_t* row, size_t words) {
+  count_ = words * kInWord;
   __m512i ids =
       _mm512_set_epi32(15, 14, 13, 12, 11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 0);
-  return Keep(reinterpret_cast<const GroupBits*>(row), [&](size_t) HWY_ATTR {
-    const __m512i these = ids;
-    ids = _mm512_add_epi32(ids, _mm512_set1_epi32(kLanes));
-    return these;
-  });
+  return Keep(reinterpret_cast<const GroupBits<kGroup>*>(row),
+              [&](size_t) HWY_ATTR {
+                const __m512i these = ids;
+                ids = _mm512_add_epi32(ids, _mm512_set1_epi32(kLanes));
+                return these;
+              });
 }
 
+template <size_t kGroup>
 template <class Kept>
-HWY_INLINE size_t Groups::Visit(uint64_t* HWY_RESTRICT row, bool is_last,
-                                const Kept& kept) {
+HWY_INLINE size_t Groups<kGroup>::Visit(uint64_t* HWY_RESTRICT row,
+                                        bool is_last, const Kept& kept) {
   for (size_t j = 0; j < count_; ++j) {
-    bits_[j] = AndGroup(row, ids_[j], kept(ids_[j] * kGroupObjects));
+    bits_[j] = AndGroup<kGroup>(row, ids_[j], kept(ids_[j] * kGroup));
   }
   if (is_last) return 0;
   return Keep(bits_,
@@ -148,48 +169,52 @@ HWY_INLINE size_t Groups::Visit(uint64_t* HWY_RESTRICT row, bool is_last,
 
 #else
 
-HWY_INLINE size_t Groups::Find(const uint64_t* row, size_t words) {
+template <size_t kGroup>
+HWY_INLINE size_t Groups<kGroup>::Find(const uint64_t* row, size_t words) {
   words_ = words;
   size_t found = 0;
-  for (size_t begin = 0; begin < words; begin += kGroupObjects) {
+  for (size_t begin = 0; begin < words; begin += kGroup) {
     uint64_t bits = 0;
-    const size_t left = HWY_MIN(kGroupObjects, words - begin);
-    if constexpr (kGroupObjects == kWordObjects) {
+    const size_t left = HWY_MIN(kGroup, words - begin);
+    if constexpr (kGroup == kWordObjects) {
       bits = NonzeroWords(row, left);
     } else {
       size_t w = 0;
 #if HWY_TARGET != HWY_SCALAR
-      // At most 16 groups, whose bits have a type of their own.
+      // At most 32 groups, whose bits have a type of their own.
       const hn::CappedTag<uint64_t, 4> d;
-      const hn::Repartition<uint16_t, decltype(d)> d16;
+      const hn::Repartition<GroupBits<kGroup>, decltype(d)> of_group;
       const size_t lanes = hn::Lanes(d);
       for (; w + lanes <= left; w += lanes) {
-        const auto vector = hn::BitCast(d16, hn::LoadU(d, row + begin + w));
-        bits |= LaneBits(d16, hn::Ne(vector, hn::Zero(d16))) << (4 * w);
+        const auto vector =
+            hn::BitCast(of_group, hn::LoadU(d, row + begin + w));
+        bits |= LaneBits(of_group, hn::Ne(vector, hn::Zero(of_group)))
+                << (kInWord * w);
       }
 #endif
       for (; w < left; ++w) {
-        for (size_t g = 0; g < 4; ++g) {
-          const bool is_left = (row[begin + w] >> (16 * g) & 0xffff) != 0;
-          bits |= uint64_t{is_left} << (4 * w + g);
+        for (size_t g = 0; g < kInWord; ++g) {
+          const uint64_t group = row[begin + w] >> (kGroup * g);
+          const bool is_left = (group & kLowBits<kGroup>) != 0;
+          bits |= uint64_t{is_left} << (kInWord * w + g);
         }
       }
     }
-    bits_[begin / kGroupObjects] = bits;
+    bits_[begin / kGroup] = bits;
     found += hwy::PopCount(bits);
   }
   return found;
 }
 
+template <size_t kGroup>
 template <class Kept>
-HWY_INLINE size_t Groups::Visit(uint64_t* HWY_RESTRICT row, bool is_last,
-                                const Kept& kept) {
-  for (size_t w = 0; w < words_; w += kGroupObjects) {
-    for (uint64_t bits = bits_[w / kGroupObjects]; bits != 0;
-         bits &= bits - 1) {
+HWY_INLINE size_t Groups<kGroup>::Visit(uint64_t* HWY_RESTRICT row,
+                                        bool is_last, const Kept& kept) {
+  for (size_t w = 0; w < words_; w += kGroup) {
+    for (uint64_t bits = bits_[w / kGroup]; bits != 0; bits &= bits - 1) {
       const size_t group =
-          w * kWordGroups + hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
-      AndGroup(row, group, kept(group * kGroupObjects));
+          w * kInWord + hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
+      AndGroup<kGroup>(row, group, kept(group * kGroup));
     }
   }
   return is_last ? 0 : Find(row, words_);

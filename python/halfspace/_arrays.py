@@ -39,6 +39,10 @@ class Table(NamedTuple):
         arrays = tuple(a[begin:end] for a in self.arrays)
         return Table(arrays, arrays[0].shape[0], False)
 
+    def minus(self, origin: np.ndarray) -> "Table":
+        """The rows less one row of float64."""
+        return self._replace(arrays=(np.concatenate(self.arrays, axis=1) - origin,))
+
 
 def boxes(
     value: Any,
@@ -196,18 +200,27 @@ def spheres(centers: Any, radii: Any, dims: int) -> Table:
     if exact.dtype == np.float64:
         with np.errstate(over="ignore", invalid="ignore"):
             rounded = exact.astype(np.float32)
-            apart = np.linalg.norm(exact - rounded, axis=1, keepdims=True)
+            # A cast is not limited on an axis where the float is infinite.
+            ways = np.where(np.isinf(rounded), 0, exact - rounded)
+            apart = np.linalg.norm(ways, axis=1, keepdims=True)
             limits = _rounded_up(limits + 1.000001 * apart)
-        # A center beyond the floats is a query of everything.
-        limits[np.isnan(limits)] = np.inf
         exact = rounded
     return table._replace(arrays=(np.concatenate([exact, limits], axis=1),))
 
 
-def rounded_boxes(boxes: Table, within: Any) -> Table:
+def query_spheres(centers: Any, radii: Any, dims: int) -> Table:
+    """Spheres as spheres(), or as rounded_boxes() if a center is so far away that
+    its sphere would be a query of everything."""
+    table = points(centers, "centers", dims)
+    if (np.abs(table.arrays[0]) < 2.0**120).all():
+        return spheres(centers, radii, dims)
+    return rounded_boxes(table._replace(arrays=2 * table.arrays), radii, "radii")
+
+
+def rounded_boxes(boxes: Table, within: Any, name: str = "within") -> Table:
     """Boxes and the distance from each as 2 * d + 1 columns: floats that enclose those
     of doubles."""
-    limits = per_row(within, "within", boxes.length)
+    limits = per_row(within, name, boxes.length)
     low, high = np.split(np.concatenate(boxes.arrays, axis=1), 2, axis=1)
     enclosing = (-_rounded_up(-low), _rounded_up(high), limits)
     return boxes._replace(arrays=(np.concatenate(enclosing, axis=1),))
@@ -222,8 +235,8 @@ def vertices(value: Any, name: str) -> np.ndarray:
     return table.arrays[0]
 
 
-def triangles(value: Any, least: int) -> Arrays:
-    """At least so many triangles, as 9 columns of float32."""
+def triangles(value: Any, least: int) -> Table:
+    """At least so many triangles, as 9 columns."""
     array = numbers(value, "triangles")
     _check_shape(array.shape[1:] == (3, 3), array, "triangles", "shape (n, 3, 3)")
     if len(array) < least:
@@ -231,7 +244,7 @@ def triangles(value: Any, least: int) -> Arrays:
             f"triangles: expected one for each of the ids up to {least - 1}, got "
             f"{len(array)}"
         )
-    return floats(_without_nan(array.reshape(-1, 9), "triangles").arrays)
+    return _without_nan(array.reshape(-1, 9), "triangles")
 
 
 def faces(value: Any, name: str, count: int) -> np.ndarray:
@@ -299,9 +312,13 @@ def not_negative(value: Any, name: str) -> float:
     return float(_rounded_up(np.array(number)))
 
 
-def positive(value: Any, name: str, most: int = 2**31 - 1) -> int:
-    """An integer from 1 to `most`."""
-    return _integer(value, name, 1, most)
+def positive(value: Any, name: str, most: int = 2**31 - 1, hint: str = "") -> int:
+    """An integer from 1 to `most`. An error ends with the hint."""
+    return _integer(value, name, 1, most, hint)
+
+
+def neighbours(k: Any) -> int:
+    return positive(k, "k", hint=": len(tree) or more finds all objects")
 
 
 def budget(value: Optional[int]) -> int:
@@ -309,18 +326,16 @@ def budget(value: Optional[int]) -> int:
     return MOST_SIZE if value is None else _integer(value, "budget", 0, MOST_SIZE)
 
 
-def _integer(value: Any, name: str, least: int, most: int) -> int:
+def _integer(value: Any, name: str, least: int, most: int, hint: str = "") -> int:
     _refuse_masked(value, name)
+    expected = f"{name}: expected an integer from {least} to {most}, got"
     try:
         number = operator.index(value)
     except TypeError:
-        raise TypeError(
-            f"{name}: expected an integer, got {type(value).__name__}"
-        ) from None
+        its = f" {value}" if isinstance(value, (float, np.floating)) else ""
+        raise TypeError(f"{expected} {type(value).__name__}{its}{hint}") from None
     if not least <= number <= most:
-        raise ValueError(
-            f"{name}: expected an integer from {least} to {most}, got {number}"
-        )
+        raise ValueError(f"{expected} {number}{hint}")
     return number
 
 

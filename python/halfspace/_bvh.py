@@ -171,7 +171,7 @@ class BVH(Searches):
         exact tree, whose float64 boxes are not stored either.
         """
         self._check_is_not_exact()
-        return memoryview(self._tree.blob())
+        return memoryview(self._tree.blob(False))
 
     def _check_is_not_exact(self) -> None:
         if self._tree.is_exact:
@@ -189,7 +189,7 @@ class BVH(Searches):
 
     def __reduce_ex__(self, protocol: Any) -> Tuple[Any, ...]:
         # Out of band if the pickler has a buffer_callback, and in band if not.
-        blob = memoryview(self._tree.blob())
+        blob = memoryview(self._tree.blob(True))
         data = pickle.PickleBuffer(blob) if protocol >= 5 else bytes(blob)
         doubles = (self._tree.doubles(),) if self._tree.is_exact else ()
         return _unpickle, (type(self), data, *doubles), getattr(self, "__dict__", None)
@@ -294,18 +294,23 @@ class BVH(Searches):
         dimensions: triangle i is inside of box i, as `bounds_of_triangles` makes it.
         Rays then hit triangles, from both sides, and `ids` and `t` are of these.
 
-        Rays and triangles are rounded to the nearest float32. From there on, whether
-        a ray hits a triangle is exact: the edges and corners belong to it, so no ray
-        passes between two triangles that share an edge. A triangle without an area,
-        or in whose plane the ray lies, is not hit. `t` is within one float32 of the
-        exact value.
+        float64 origins and triangles are rounded to the nearest float32: coordinates
+        are off by up to 2^-24 of themselves. On an axis where the middle of `bounds` is
+        farther from 0 than 1.5 times the longest side of `bounds`, the call subtracts
+        the middle first: they are off by up to 2^-24 of the distance from it. The call
+        then copies the tree, in O(n). Directions are rounded to the nearest float32.
+
+        From there on, whether a ray hits a triangle is exact: the edges and corners
+        belong to it, so no ray passes between two triangles that share an edge. A
+        triangle without an area, or in whose plane the ray lies, is not hit. `t` is
+        within one float32 of the exact value.
         """
-        its_triangles = None if triangles is None else self._triangles(triangles)
         starts = _arrays.points(origins, "origins", self.dims)
         how = _arrays.how(mask, threads, progress)
-        return self._cast(
-            starts, "origins", directions, max_t, all_hits, how, its_triangles
-        )
+        near = None
+        if triangles is not None:
+            near, starts, _ = self._near_origin(triangles, starts)
+        return self._cast(starts, "origins", directions, max_t, all_hits, how, near)
 
     def closest_point(
         self,
@@ -320,30 +325,52 @@ class BVH(Searches):
         """Finds the point of a mesh that is closest to each point.
 
         `triangles` are those of `raycast`, and `points` have the shape (m, 3) or (3,).
-        Both are rounded to the nearest float32.
+        Both are rounded as there.
 
         Returns `ids, distances, closest`: the closest triangle of each point, the
         distance and the point of the triangle, of shape (m,), (m,) and (m, 3). Of
         triangles at the same distance, the one with the least id. If none is within
         `max_distance`, they are -1, inf and NaN. Distances are computed in float64 and
-        rounded.
+        rounded to float32. `closest` is float64, or float32 if both arguments are.
         """
-        its_triangles = self._triangles(triangles)
         table = _arrays.points(points, "points", 3)
+        near, starts, origin = self._near_origin(triangles, table)
         ids, distances, closest = self._tree.closest_points(
-            _arrays.floats(table.arrays),
-            its_triangles,
+            _arrays.floats(starts.arrays),
+            *near,
             _arrays.not_negative(max_distance, "max_distance"),
             _arrays.how(mask, threads, progress),
         )
+        if origin is not None:
+            closest = closest + origin
         if table.single:
             return int(ids[0, 0]), float(distances[0, 0]), closest[0]
         return ids[:, 0], distances[:, 0], closest
 
-    def _triangles(self, triangles: Any) -> _arrays.Arrays:
+    def _near_origin(
+        self, triangles: Any, points: _arrays.Table
+    ) -> Tuple[Tuple[_arrays.Arrays, bool], _arrays.Table, Optional[np.ndarray]]:
+        """Subtracts an origin from triangles and points, so that float32 holds more of
+        their digits.
+
+        Returns the triangles as float32 and whether they were moved, the points, and
+        the origin, which is None if all are float32: these stay as they are.
+        """
         if self.dims != 3:
             raise ValueError("triangles: expected a tree of 3 dimensions, not of 2")
-        return _arrays.triangles(triangles, self._tree.id_limit())
+        its_triangles = _arrays.triangles(triangles, self._tree.id_limit())
+        arrays = its_triangles.arrays + points.arrays
+        if all(array.dtype == np.float32 for array in arrays):
+            return (its_triangles.arrays, False), points, None
+        low, high = self.bounds.astype(float).reshape(2, 3)
+        with np.errstate(invalid="ignore"):
+            # So far that float32 triangles in the bounds lose nothing.
+            is_far = abs(low + high) > 3 * (high - low).max()
+            origin = np.where(is_far, (low + high) / 2, 0)
+        if not is_far.any():
+            return (_arrays.floats(its_triangles.arrays), False), points, origin
+        moved = _arrays.floats(its_triangles.minus(np.tile(origin, 3)).arrays)
+        return (moved, True), points.minus(origin), origin
 
     def pairs(
         self,
@@ -456,6 +483,10 @@ class BVH(Searches):
         end of the block, the calls of other threads wait. Those of this thread do
         not. Blocks of one thread can be nested. Calls that waited go before the
         next block. Raises RuntimeError in a `progress` function of the same tree.
+
+        It also waits for pickles that other threads write, and for the buffers that
+        these gave to a `buffer_callback`: do not keep such buffers in this thread.
+        BufferError of a change means that somebody keeps a `blob`.
 
         In the block, do not wait for another thread that uses the tree. Threads
         that need the blocks of two trees, also for a `join` in a block, take them

@@ -10,12 +10,14 @@ Works with shapely 1.8 and 2. Shapely 1.8 makes exact tests one by one, and shap
 makes them in one call.
 """
 
+import contextlib
 import ctypes
 import warnings
-from typing import Any, Callable, Iterable, Optional, Tuple, Union
+from typing import Any, Callable, Iterable, List, Optional, Tuple, Union
 
 import numpy as np
 import shapely  # type: ignore
+from shapely.errors import ShapelyError  # type: ignore
 from shapely.geometry.base import BaseGeometry  # type: ignore
 from shapely.prepared import prep  # type: ignore
 
@@ -43,8 +45,12 @@ class STRtree:
     Notes
     -----
     Calls return what those of `shapely.STRtree` of shapely 2 return, and can run on
-    several threads. Boxes are compared as doubles. Z is ignored.
+    several threads. Boxes are compared as doubles. Z is ignored. If GEOS cannot decide
+    about a pair, because a geometry is invalid, the error names the geometry.
     """
+
+    # How errors name the geometries of a call, and those of the tree.
+    _names = ("geometry", "geoms")
 
     def __init__(self, geoms: Iterable[Any], node_capacity: int = 10):
         self._geometries = _array_of(geoms, "geoms")
@@ -144,7 +150,8 @@ class STRtree:
         return_distance : bool
             Also returns the distances, of shape (n,).
         exclusive : bool
-            Leaves out geometries that are equal to the given one.
+            Leaves out geometries that are equal to the given one. So are, as in
+            shapely 2, invalid ones with its box that GEOS cannot compare with it.
         all_matches : bool
             Returns all that are equally near, and not only the first of them.
 
@@ -165,7 +172,7 @@ class STRtree:
         distances = self._ask("distance", given, rows, ids)
         is_kept = distances <= limits[rows]
         if exclusive:
-            is_kept &= ~self._ask("equals", given, rows, ids)
+            is_kept &= ~self._are_equal(given, rows, ids, distances)
         rows, ids, distances = rows[is_kept], ids[is_kept], distances[is_kept]
         # By distance, then by index, for each row.
         order = np.lexsort((ids, distances, rows))
@@ -197,22 +204,61 @@ class STRtree:
             rows = np.repeat(used[left], k)
             distances = self._ask("distance", given, rows, ids)
             if exclusive:
-                distances[self._ask("equals", given, rows, ids)] = np.inf
+                distances[self._are_equal(given, rows, ids, distances)] = np.inf
             best[left] = distances.reshape(-1, k).min(axis=1)
             if k == len(self):
                 break
             left, k = left[np.isinf(best[left])], 8 * k
         return best
 
+    def _are_equal(
+        self, given: np.ndarray, rows: np.ndarray, ids: np.ndarray, distances: np.ndarray
+    ) -> np.ndarray:
+        """Which pairs are equal, or cannot be compared. GEOS compares their boxes first."""
+        are_equal = distances == 0
+        rows, ids = rows[are_equal], ids[are_equal]
+        are_equal[are_equal] = self._ask("equals", given, rows, ids, on_error=True)
+        return are_equal
+
     def _ask(
-        self, call: str, given: np.ndarray, rows: np.ndarray, ids: np.ndarray
+        self,
+        call: str,
+        given: np.ndarray,
+        rows: np.ndarray,
+        ids: np.ndarray,
+        on_error: Optional[bool] = None,
     ) -> np.ndarray:
         """What a call of shapely returns for pairs of geometries."""
-        a, b = given[rows], self._geometries[self._index[ids]]
         if _IS_VECTORISED:
-            return getattr(shapely, call)(a, b)
+            with contextlib.suppress(ShapelyError):  # one by one, to find its pair
+                return getattr(shapely, call)(given[rows], self._geometries[self._index[ids]])
+        one = lambda a, b: getattr(a, call)(b)
         dtype = float if call == "distance" else bool
-        return np.array([getattr(x, call)(y) for x, y in zip(a, b)], dtype)
+        return np.array(self._each(one, given, rows, ids, on_error), dtype)
+
+    def _each(
+        self,
+        call: Callable[[Any, Any], Any],
+        given: np.ndarray,
+        rows: np.ndarray,
+        ids: np.ndarray,
+        on_error: Optional[bool] = None,
+    ) -> List[Any]:
+        """The results of call(given, its) for each pair, or `on_error`. Without it, an
+        error of shapely names the invalid geometries of its pair, or both."""
+        results = []
+        for row, index in zip(rows.tolist(), self._index[ids].tolist()):
+            pair = given[row], self._geometries[index]
+            try:
+                result = call(*pair)
+            except ShapelyError as error:
+                if on_error is None:
+                    names = [f"{name}[{i}]" for name, i in zip(self._names, (row, index))]
+                    bad = [name for name, its in zip(names, pair) if not its.is_valid]
+                    raise type(error)(f"{' and '.join(bad or names)}: {error}") from error
+                result = on_error
+            results.append(result)
+        return results
 
     def _hold(
         self, predicate: str, given: np.ndarray, rows: np.ndarray, ids: np.ndarray
@@ -220,19 +266,20 @@ class STRtree:
         if _IS_VECTORISED:
             shapely.prepare(given[np.unique(rows)])
             return self._ask(predicate, given, rows, ids)
-        a, b = given[rows], self._geometries[self._index[ids]]
-        if predicate == "covered_by":
-            return np.array([y.covers(x) for x, y in zip(a, b)], bool)
-        holds = np.zeros(len(rows), bool)
-        last = -1
-        for i, row in enumerate(rows.tolist()):
-            if row != last:
-                last, test = row, getattr(prep(a[i]), predicate)
+        last, test = None, None
+
+        def holds(a: Any, b: Any) -> Any:
+            nonlocal last, test
+            if predicate == "covered_by":
+                return b.covers(a)
+            if a is not last:
+                last, test = a, getattr(prep(a), predicate)
             try:
-                holds[i] = test(b[i])
+                return test(b)  # type: ignore
             except AttributeError:  # shapely asks the prepared geometry whether it is valid
-                holds[i] = getattr(a[i], predicate)(b[i])
-        return holds
+                return getattr(a, predicate)(b)
+
+        return np.array(self._each(holds, given, rows, ids), bool)
 
 
 def sjoin(
@@ -267,9 +314,11 @@ def sjoin(
     if predicate == "within":
         # The same pairs, with fewer prepared geometries.
         tree = STRtree(left_df.geometry)
+        tree._names = ("right_df.geometry.iloc", "left_df.geometry.iloc")
         right, left = tree.query(right_df.geometry, "contains", distance)
     else:
         tree = STRtree(right_df.geometry)
+        tree._names = ("left_df.geometry.iloc", "right_df.geometry.iloc")
         left, right = tree.query(left_df.geometry, predicate, distance)
     return _joined(left_df, right_df, left, right, how, lsuffix, rsuffix)
 

@@ -214,6 +214,12 @@ struct Searches {
                                  const pybind11::tuple& how) {
     Search its(world, arrays, how);
     its.options.exclusive = is_exclusive ? 1 : 0;
+    {
+      const pybind11::gil_scoped_release release;
+      std::size_t size = 0;
+      Check(Its::kSize(world.get(), &size));
+      k = std::clamp(size, std::size_t{1}, k);
+    }
     const auto function =
         its.queries.size == world.dims ? Its::kToPoints : Its::kToBoxes;
     const auto search = [&](const hs_columns& some, std::size_t room,

@@ -14,6 +14,7 @@
 #include <memory>
 #include <mutex>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -121,7 +122,7 @@ struct Tree {
   std::size_t owned = 0;             // how often
   bool owner_waits = false;          // for the calls that run
   std::size_t waiting = 0;           // calls that wait for the owner
-  std::size_t exports = 0;           // blobs that Python objects refer to
+  std::size_t exports = 0;           // blobs and pickles in use
   bool is_half_refitted = false;     // an exception ended Refit()
   std::size_t changes = 0;           // so far
 
@@ -268,10 +269,16 @@ void Disown(Tree& tree) {
   TheWaiters().WakeAll();
 }
 
+[[noreturn]] void ThrowInUse() {
+  throw py::buffer_error(
+      "the blob of this BVH is in use: release it before you change the BVH");
+}
+
 // Makes all other threads wait, and waits for the calls that run now.
 void Own(Tree& tree) {
   const unsigned long self = PyThread_get_thread_ident();
   if (tree.IsUsedBy(self)) {
+    if (tree.exports > 0) ThrowInUse();
     throw std::runtime_error(
         "changing() was called inside of a call of the same BVH");
   }
@@ -311,14 +318,11 @@ struct Changing {
 template <typename Function>
 void Change(Tree& tree, const Function& change, bool is_refit = false) {
   WaitUntilOpen(tree);
+  if (tree.exports > 0) ThrowInUse();
   if (!tree.users.empty()) {
     throw std::runtime_error(
         "another call is using this BVH: wait until it has finished before "
         "you change the BVH, or change it in `with tree.changing():`");
-  }
-  if (tree.exports > 0) {
-    throw py::buffer_error(
-        "the blob of this BVH is in use: release it before you change the BVH");
   }
   const Reading reading(tree, is_refit);
   tree.is_changing = true;
@@ -489,21 +493,37 @@ std::unique_ptr<Tree> FromBlob(
   return tree;
 }
 
+// What an array of a tree's bytes keeps alive. That of a pickle is a call of
+// the thread that made it, for which changing() waits: the pickler reads the
+// bytes after the call that returned them.
+struct Export {
+  explicit Export(const py::object& its_owner)
+      : owner(its_owner), tree(its_owner.cast<Tree&>()), reading(tree) {
+    ++tree.exports;
+  }
+  Export(const Export&) = delete;
+  ~Export() { --tree.exports; }
+
+  py::object owner;
+  Tree& tree;
+  std::optional<Reading> reading;
+};
+
 // The bytes of a tree as an array. A tree with such an array refuses changes.
-py::array BlobOf(const py::object& object) {
-  auto& tree = object.cast<Tree&>();
-  const Reading reading(tree);
+py::array BlobOf(const py::object& object, bool is_pickle) {
+  auto its = std::make_unique<Export>(object);
+  Tree& tree = its->tree;
   const void* data = nullptr;
   std::size_t size = 0;
   {
     const py::gil_scoped_release release;
     Check(hs_bvh_blob(tree.get(), &data, &size));
   }
-  const py::capsule owner(new py::object(object), [](void* of) {
-    const std::unique_ptr<py::object> its(static_cast<py::object*>(of));
-    --its->cast<Tree&>().exports;
+  if (!is_pickle) its->reading.reset();
+  const py::capsule owner(its.get(), [](void* of) {
+    const std::unique_ptr<Export> no_longer(static_cast<Export*>(of));
   });
-  ++tree.exports;
+  its.release();  // the capsule has it
   py::array_t<std::uint8_t> bytes(
       Size(size), static_cast<const std::uint8_t*>(data), owner);
   bytes.attr("setflags")(false);  // not to be written
@@ -689,36 +709,84 @@ Ids PairsOf(Tree& tree, Tree* b, float margin, const py::tuple& how) {
   return ids;
 }
 
+// A copy of a tree with the boxes of triangles that are elsewhere, in the order
+// of the tree. O(n), as the conversion of the triangles is.
+Bvh TreeOf(const Tree& tree, const hs_columns& triangles) {
+  std::size_t count = 0;
+  Check(hs_bvh_id_limit(tree.get(), &count));
+  if (triangles.count < count) ThrowNotPrepared();
+  std::vector<float> boxes(6 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto at = [&](std::size_t corner) {
+        return static_cast<const float*>(
+            triangles.column[3 * corner + k])[i * triangles.stride];
+      };
+      const auto [min, max] = std::minmax({at(0), at(1), at(2)});
+      boxes[6 * i + k] = min;
+      boxes[6 * i + 3 + k] = max;
+    }
+  }
+  const void* data = nullptr;
+  std::size_t size = 0;
+  Check(hs_bvh_blob(tree.get(), &data, &size));
+  const hs_bvh_config config = ConfigOf(3);
+  hs_bvh* bvh = nullptr;
+  Check(hs_bvh_in_place(&config, data, size, &bvh));
+  Bvh moved(bvh);
+  const hs_columns records = hs_float_rows(boxes.data(), count, 6);
+  Check(hs_bvh_refit(bvh, &records, nullptr, nullptr));
+  return moved;
+}
+
+// A tree in which to search triangles: the tree itself, or a copy if the
+// triangles and the queries were moved to an origin.
+struct TriangleTree {
+  TriangleTree(const Tree& tree, const Columns& triangles, bool is_moved)
+      : bvh(tree.get()) {
+    if (triangles.size != 9 || triangles.type != HS_FLOAT32) ThrowNotPrepared();
+    if (!is_moved) return;
+    const py::gil_scoped_release release;
+    moved = TreeOf(tree, triangles);
+    bvh = moved.get();
+  }
+
+  Bvh moved;
+  const hs_bvh* bvh;
+};
+
 // The first triangles that rays hit, or all of them, sorted by t. Triangle i is
 // that of object i.
 py::tuple CastToTriangles(Tree& tree, const py::tuple& rays,
-                          const py::tuple& its_triangles, bool finds_all,
-                          const py::tuple& how) {
+                          const py::tuple& its_triangles, bool is_moved,
+                          bool finds_all, const py::tuple& how) {
   using Its = Searches<Tree>;
   constexpr std::pair kCast{&hs_bvh_raycast_triangles,
                             &hs_bvh_raycast_triangles_each};
   const Columns triangles(its_triangles);
   Its::Search its(tree, rays, how);
+  const TriangleTree in(tree, triangles, is_moved);
   return Its::FindHits(
       its, finds_all, [&](const QueryPart& part, auto to, auto of) {
         Check(std::get<Its::kFindsAll<decltype(of)>>(kCast)(
-            tree.get(), &part.queries, &triangles, &its.options, to, of));
+            in.bvh, &part.queries, &triangles, &its.options, to, of));
       });
 }
 
 // The triangles that are closest to points, their distances and the points on
 // them, of shape (n, 3).
 py::tuple ClosestPoints(Tree& tree, const py::tuple& points,
-                        const py::tuple& its_triangles, float max_distance,
-                        const py::tuple& how) {
+                        const py::tuple& its_triangles, bool is_moved,
+                        float max_distance, const py::tuple& how) {
   const Columns triangles(its_triangles);
   Searches<Tree>::Search its(tree, points, how);
+  const TriangleTree in(tree, triangles, is_moved);
   const Output<float> closest(its.queries, 3);
   const py::tuple found = FindIdsAndFloats(
       its.queries, 1, kPartQueries, its.work,
       [&](const QueryPart& part, std::uint32_t* ids, float* distances) {
         std::vector<float> places(3 * part.queries.count);
-        Check(hs_bvh_closest_points(tree.get(), &part.queries, &triangles,
+        Check(hs_bvh_closest_points(in.bvh, &part.queries, &triangles,
                                     max_distance, &its.options, ids,
                                     places.data(), distances));
         closest.Store(part.first, places);

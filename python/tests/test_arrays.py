@@ -294,8 +294,10 @@ BAD_CALLS = [
     ),
 ]
 BAD_TYPES = [
-    (lambda: TREE.query(BOX, threads=1.5), "threads: expected an integer, got float"),
-    (lambda: TREE.nearest([0, 0], "2"), "k: expected an integer, got str"),
+    (lambda: TREE.query(BOX, threads=1.5), "threads: expected an integer from 1 to 4096, got float 1.5"),
+    (lambda: TREE.nearest([0, 0], "2"), "k: expected an integer from 1 to 2147483647, got str"),
+    (lambda: TREE.nearest([0, 0], np.inf), "k: expected an integer from 1 to 2147483647, got float inf: len(tree) or more finds all objects"),
+    (lambda: BODIES.nearest([0, 0], 2.0), "k: expected an integer from 1 to 2147483647, got float"),
     (lambda: TREE.nearest([0, 0], max_distance=None), "max_distance: expected a number"),
     (lambda: TREE.erase([0.5]), "ids: expected integers, got float64"),
     (lambda: hs.join(TREE, [BOX]), "b: expected a BVH, got list"),

@@ -197,7 +197,8 @@ def test_all_ties(rng, dims, tree_of, k, exclusive):
         assert (distances == np.float32(exact[rows, ids])).all()
         assert (np.diff(rows) >= 0).all() and len(ids) > 1000
         near, far = tree.nearest(given, k, max_distance=2, exclusive=exclusive, threads=2)
-        assert (far == np.float32(by_distance[:, :k])).all()
+        assert far.shape == (len(given), min(k, len(boxes)))
+        assert (far == np.float32(by_distance[:, : far.shape[1]])).all()
         its_rows, rank = np.nonzero(near >= 0)
         assert len(rank) == np.isfinite(far).sum()
         its = near[its_rows, rank]
@@ -207,6 +208,8 @@ def test_all_ties(rng, dims, tree_of, k, exclusive):
         )
         assert (one == ids[rows == 3]).all() and (of_one == distances[rows == 3]).all()
     assert tree.nearest(points[:0], all_ties=True)[0].shape == (2, 0)
+    assert tree_of(boxes[:3]).nearest(points[0], 2**31 - 1)[0].shape == (3,)
+    assert tree_of(boxes[:0]).nearest(points[0], 2**31 - 1)[0].tolist() == [-1]
 
 
 @pytest.mark.parametrize("call", ["raycast", "boxcast", "spherecast"])
@@ -320,7 +323,7 @@ def test_many_queries_of_a_large_tree(rng, dims, exact):
     queries[5] = [np.inf] * dims + [-np.inf] * dims
     queries[7] = [-np.inf] * dims + [-1e6] * dims
     points = queries[:, :dims].copy()
-    points[5] = 0
+    points[[5, 7]] = 0
     radii = rng.random(9000) * side
     ways = rng.normal(size=(9000, dims))
     calls = [
@@ -384,13 +387,30 @@ def test_limits_and_distances_of_doubles_are_rounded_outward(tree_of):
     assert tree.query_sphere([just_above, 0.5], 0.25).tolist() == [0]
     far = tree_of(np.array([[5e5, 0, 5e5 + 1, 1]]))
     assert far.query_sphere([5e5 + 1.02, 0.5], 0.021).tolist() == [0]
-    assert sorted(tree.query_sphere([1e300, 0.5], 2.0)) == [0, 1]
     assert tree.query_sphere([3.001, 0.5], 2.0).tolist() == []
     # 0.1 is no float, nor is 1e300: they are rounded up, and an object at the limit is found.
     assert tree.nearest([1.1, 0], max_distance=1.1 - 1)[0].tolist() == [0]
     away = tree_of(np.array([[0.1, 0, 1, 1]]))
     assert away.raycast([0, 0], [1, 0], 0.1)[0] == away.raycast([0, 0], [1, 0], 1e300)[0] == 0
     assert away.raycast([0, 0], [1, 0], 0.09) == (-1, np.inf)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_infinite_spheres_are_boxes_with_a_distance(dims, tree_of, dtype):
+    inf, rest = np.inf, [0.5] * (dims - 1)
+    sides = np.array([(0, 1), (-inf, 1), (0, inf), (-inf, inf), (2.0**121, 2.0**122)])
+    boxes = np.zeros((len(sides), 2 * dims))
+    boxes[:, [0, dims]], boxes[:, dims + 1 :] = sides, 1
+    tree = tree_of(boxes)
+    for x, expected in ((inf, [2, 3]), (-inf, [1, 3]), (2.0**121, [2, 3, 4]), (0.5, [0, 1, 2, 3])):
+        center = np.array([x] + rest, dtype)
+        assert sorted(tree.query_sphere(center, 1)) == expected
+        assert sorted(tree.query_sphere([center, rest + [0.5]], 1)[1][: len(expected)]) == expected
+        for radius in (1, 1e30, inf) if abs(x) > 1 else (1,):
+            found = tree.query_sphere(center, radius)
+            assert sorted(found) == sorted(tree.query([*center, *center], within=radius))
+        assert sorted(tree.query_sphere(center, inf)) == [0, 1, 2, 3, 4]
+    assert tree.query_sphere([inf] * dims, 1).tolist() == []
 
 
 def test_masks_margins_and_order(rng, dims, boxes, queries):

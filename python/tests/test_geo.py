@@ -8,6 +8,7 @@ import pytest
 
 pytest.importorskip("shapely", reason="needs python3-shapely")
 
+from shapely.errors import ShapelyError
 from shapely.geometry import GeometryCollection, LineString, MultiPoint, Point, Polygon, box
 
 from conftest import overlaps
@@ -197,14 +198,47 @@ def test_errors(call, error, message):
         call()
 
 
-# Prepared geometries of shapely 1.8 fail to raise the error.
-@pytest.mark.skipif(geo._IS_VECTORISED, reason="shapely 2 has another error")
-def test_an_invalid_polygon_raises_the_error_of_shapely():
-    from shapely.errors import TopologicalError
+BOW = Polygon([(0, 0), (2, 2), (2, 0), (0, 2)])
 
-    bow = Polygon([(0, 0), (2, 2), (2, 0), (0, 2)])
-    with pytest.raises(TopologicalError, match="invalidity of the geometry"):
-        geo.STRtree([box(0, 0, 1, 1)]).query(bow, "touches")
+
+# Prepared geometries of shapely 1.8 fail to raise the error.
+def test_an_error_of_geos_names_the_invalid_geometry():
+    given, its = [Point(9, 9), BOW], [None, box(0, 0, 1, 1), Point(9, 9)]
+    for call, name in (
+        (lambda: geo.STRtree(its).query(BOW, "touches"), "geometry[0]"),
+        (lambda: geo.STRtree(its).query(given, "overlaps"), "geometry[1]"),
+        (lambda: geo.STRtree(given).query(its, "touches"), "geoms[1]"),
+    ):
+        with pytest.raises(ShapelyError) as raised:
+            call()
+        assert str(raised.value).startswith(f"{name}: ")
+        assert ("invalidity" in str(raised.value)) or ("TopologyException" in str(raised.value))
+
+
+def test_sjoin_names_the_row_of_an_error():
+    geopandas = pytest.importorskip("geopandas")
+    left = geopandas.GeoDataFrame(geometry=[Point(9, 9), BOW], index=[7, 8])
+    right = geopandas.GeoDataFrame(geometry=[box(0, 0, 1, 1)])
+    with pytest.raises(ShapelyError, match=r"^left_df\.geometry\.iloc\[1\]: "):
+        geo.sjoin(left, right, predicate="touches")
+    with pytest.raises(ShapelyError, match=r"^right_df\.geometry\.iloc\[1\]: "):
+        geo.sjoin(right, left, predicate="overlaps")
+
+
+# The second one has the box of the first, and GEOS cannot compare them. The result is that
+# of shapely 2.0.7.
+def test_exclusive_with_invalid_polygons():
+    notched = Polygon([(0, 0), (2, 0), (2, 2), (1, 1), (0, 2)])
+    geometries = [BOW, notched, box(0, 0, 1, 1), box(0, 0, 2, 2), Point(9, 9)]
+    with pytest.raises(ShapelyError):
+        BOW.equals(notched)
+    found = geo.STRtree(geometries).query_nearest(geometries, exclusive=True)
+    of_each = [[0, 2, 3], [2, 3], [0, 1, 3], [0, 1, 2], [0, 1, 3]]
+    assert as_pairs(found) == [(i, j) for i, its in enumerate(of_each) for j in its]
+    geopandas = pytest.importorskip("geopandas")
+    frame = geopandas.GeoDataFrame(geometry=geometries)
+    joined = geo.sjoin_nearest(frame, frame, exclusive=True)
+    assert list(zip(joined.index, joined["index_right"])) == as_pairs(found)
 
 
 def frame_of(count, seed, names, index=None):

@@ -3,6 +3,7 @@
 import contextlib
 import functools
 import os
+import pickle
 import signal
 import threading
 import time
@@ -137,6 +138,53 @@ def test_changing_waits_and_makes_wait(rng):
         for _ in range(20):
             change()
     assert counts == {20_000}
+
+
+@pytest.mark.parametrize("exact", [False, True])
+def test_changing_waits_for_pickles(rng, exact):
+    low = rng.random((20_000, 3))
+    tree = hs.BVH(np.hstack([low, low]), exact=exact)
+    sizes = set()
+
+    def change():
+        with tree.changing():
+            tree.erase(tree.insert(tree.boxes([0, 1])))
+
+    with repeated(lambda: sizes.add(len(pickle.loads(pickle.dumps(tree, 5))))):
+        for _ in range(50):
+            change()
+    assert sizes == {20_000}
+    # The bytes are in use until the pickler has passed them on.
+    events, is_pickling = [], threading.Event()
+
+    def slowly(buffer):
+        is_pickling.set()
+        time.sleep(0.2)
+        events.append("pickled")
+
+    thread = threading.Thread(target=lambda: pickle.dumps(tree, 5, buffer_callback=slowly))
+    thread.start()
+    is_pickling.wait()
+    change()
+    events.append("changed")
+    thread.join()
+    assert events[-1] == "changed"
+
+
+def test_changing_does_not_wait_for_buffers_of_its_own_thread(rng):
+    tree, buffers = hs.BVH(random_boxes(rng, 100, 3)), []
+    pickle.dumps(tree, 5, buffer_callback=buffers.append)
+    with pytest.raises(BufferError, match="release it before you change"):
+        with tree.changing():
+            pass
+    with pytest.raises(BufferError, match="release it before you change"):
+        tree.erase(0)
+    buffers.clear()
+    blob = tree.blob()
+    with tree.changing(), pytest.raises(BufferError, match="release it before you change"):
+        tree.erase(0)
+    blob.release()
+    own(tree)
 
 
 def test_an_exception_of_a_signal_leaves_no_tree_locked():

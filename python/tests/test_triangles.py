@@ -110,6 +110,65 @@ def test_closest_points(mesh):
     assert np.isnan(near[2][::2]).all() and np.isinf(near[1][::2]).all()
 
 
+def wall(corner, rows=19, side=30):
+    """722 triangles, which are 10 high, and the way out of the wall."""
+    along, up = (side * grid[..., None] for grid in np.mgrid[: rows + 1, : rows + 1] / rows)
+    way, up = np.array([np.cos(0.3), np.sin(0.3), 0]), up / 3 * [0, 0, 1]
+    places = corner + along * way + up
+    a, b, c, d = places[:-1, :-1], places[1:, :-1], places[1:, 1:], places[:-1, 1:]
+    triangles = np.concatenate([np.stack(t, axis=2).reshape(-1, 3, 3) for t in ((a, b, c), (a, c, d))])
+    return triangles, np.array([-way[1], way[0], 0])
+
+
+# A step of float32 is 6 cm here. Without an origin, nearly all are wrong.
+@pytest.mark.parametrize("dtypes", [(np.float64, np.float64), (np.float32, np.float64)])
+def test_a_millimetre_in_national_coordinates(dtypes):
+    triangles, out = wall([528_980.25, 183_526.73, 12.1])
+    triangles = triangles.astype(dtypes[0])
+    everyone, middles = np.arange(len(triangles)), triangles.astype(float).mean(axis=1)
+    if dtypes[0] == np.float32:  # now crooked
+        out = np.cross(*(triangles[:, 1:] - triangles[:, :1]).astype(float).transpose(1, 0, 2))
+        out /= -np.linalg.norm(out, axis=1, keepdims=True)
+    tree = tree_of(triangles)
+    assert len(triangles) == 722
+    for side in (0.001, -0.001):
+        starts = (middles + side * out).astype(dtypes[1])
+        step = 15 * 2.0**-24  # of the distance from the middle
+        ids, t = tree.raycast(starts, -np.sign(side) * out, triangles=triangles)
+        np.testing.assert_array_equal(ids, everyone)
+        np.testing.assert_allclose(t, 0.001, rtol=0, atol=4 * step)
+        ids, _ = tree.raycast(starts, np.sign(side) * out, 5, triangles=triangles)
+        assert dtypes[0] == np.float32 or (ids == -1).all()
+        (rows, ids), _ = tree.raycast(
+            starts, -np.sign(side) * out, 0.002, triangles=triangles, all_hits=True, threads=2)
+        np.testing.assert_array_equal([rows, ids], [everyone, everyone])
+        ids, distances, closest = tree.closest_point(starts, triangles)
+        np.testing.assert_array_equal(ids, everyone)
+        np.testing.assert_allclose(distances, 0.001, rtol=0, atol=4 * step)
+        assert closest.dtype == np.float64
+        np.testing.assert_allclose(closest, middles, rtol=0, atol=4 * step)
+    assert tree.closest_point(np.float32(starts), np.float32(triangles))[2].dtype == np.float32
+
+
+def test_an_origin_changes_no_other_answer(rng, mesh):
+    """Ids that were erased, masks, and queries in another order."""
+    triangles, some, places = mesh
+    triangles, places = triangles + [2.0**24, 0, 0], places + [2.0**24, 0, 0.25]
+    tree = tree_of(np.concatenate([triangles, triangles[:1]]))
+    tree.erase([len(triangles), 5])
+    tree.set_masks(1 + np.arange(len(triangles) + 1) % 2)
+    is_there = (some != 5) & (some % 2 == 1)
+    extra = np.concatenate([triangles, triangles[:9]])
+    for got in (tree.raycast(places, [0, 0, -1], 1, triangles=extra, mask=2, threads=2),
+                tree.closest_point(places, extra, max_distance=0.3, mask=2, threads=2)):
+        np.testing.assert_array_equal(got[0], np.where(is_there, some, -1))
+        np.testing.assert_array_equal(got[1], np.where(is_there, 0.25, np.inf))
+    empty = hs.BVH(np.empty((0, 6)))
+    assert empty.raycast([0, 0, 0.1], [1, 0, 0], triangles=np.empty((0, 3, 3))) == (-1, np.inf)
+    infinite = hs.BVH([[-np.inf] * 3 + [np.inf] * 3] * 2)
+    assert infinite.closest_point(places[0], triangles[:2])[0] in (0, 1)
+
+
 def test_bad_triangles():
     tree = hs.BVH(np.tile([0, 0, 0, 1, 1, 1.0], (3, 1)))
     good = np.ones((3, 3, 3))

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <deque>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,10 @@
 #include "tests/library/support/environment.h"
 #include "tests/library/support/inputs.h"
 #include "tests/reference/reference.h"
+
+#if defined(__unix__)
+#include "tests/library/support/guarded_memory.h"
+#endif
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tests/kernels/scan_test.cc"
@@ -94,6 +99,10 @@ TYPED_TEST(ScanWordsTest, AreThoseOfTheReference) {
   // From an odd object on, and nothing after the last word.
   constexpr std::size_t kFirst = 3;
   const std::vector<Target> targets = TargetsUnderTest();
+#if defined(__unix__)
+  std::deque<GuardedMemory> guarded;
+  for (std::size_t p = 0; p < kPlaneCount; ++p) guarded.emplace_back(4096);
+#endif
   Random random(1);
   for (int round = 0; round < 50; ++round) {
     const InputKind kind =
@@ -120,10 +129,25 @@ TYPED_TEST(ScanWordsTest, AreThoseOfTheReference) {
             targets.end()) {
           return;
         }
-        const std::uint64_t word = WordsOf<target()>::template Word<View>(
-            pointers, kFirst, view.size, values);
-        ASSERT_EQ(word, ~rejected)
+        const auto word = [&](const T* const* some, std::size_t i) {
+          return WordsOf<target()>::template Word<View>(some, i, view.size,
+                                                        values);
+        };
+        ASSERT_EQ(word(pointers, kFirst), ~rejected)
             << handle.name() << ", " << view.size << " objects";
+#if defined(__unix__)
+        // Nothing before the first object is read, either.
+        for (GuardedSide side : {GuardedSide::kBefore, GuardedSide::kAfter}) {
+          const T* alone[kPlaneCount];
+          for (std::size_t p = 0; p < kPlaneCount; ++p) {
+            const auto plane = guarded[p].Get<T>(view.size, side);
+            std::copy_n(pointers[p] + kFirst, view.size, plane.begin());
+            alone[p] = plane.data();
+          }
+          ASSERT_EQ(word(alone, 0), ~rejected)
+              << handle.name() << ", " << view.size << " objects alone";
+        }
+#endif
       });
       if (this->HasFatalFailure()) return;
     }

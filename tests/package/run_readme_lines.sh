@@ -18,9 +18,7 @@ cd "$folder"
 lines=$(bash "$sources/tests/package/readme_lines.sh" "$language" "$sources" | tail -n +2)
 rm -rf root venv a.out halfspace sdist wheels
 if [ "$language" = python ]; then
-  (cd "$sources" && python3 -c \
-    'import sys; from setuptools import build_meta; build_meta.build_sdist(sys.argv[1])' \
-    "$folder/sdist") >sdist.log
+  python3 -m build --no-isolation --sdist --outdir "$folder/sdist" "$sources" >sdist.log
   mkdir halfspace
   tar -xzf sdist/*.tar.gz -C halfspace --strip-components=1
 else
@@ -42,9 +40,10 @@ if [ "$expected" ] && [ "$(tail -n 1 output)" != "$expected" ]; then
 fi
 if [ "$language" != python ]; then exit; fi
 
-# A wheel, which pip makes of the build that the lines have left, needs neither its sources
-# nor a compiler. numpy is the system's.
-venv/bin/pip wheel --no-build-isolation --no-deps -w wheels ./halfspace
+# A wheel of the build that the lines have left needs neither its sources nor a compiler.
+# numpy is the system's.
+HALFSPACE_HOMEPAGE=https://halfspace.invalid \
+  python3 -m build --no-isolation --wheel --outdir wheels ./halfspace
 rm -rf elsewhere
 mkdir elsewhere
 mv halfspace elsewhere/sources

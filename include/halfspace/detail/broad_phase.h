@@ -42,8 +42,14 @@ class HALFSPACE_API BroadPhaseCore {
   BroadPhaseCore(BroadPhaseCore&& other) noexcept : state_(other.state_) {
     other.state_ = nullptr;
   }
-  BroadPhaseCore& operator=(BroadPhaseCore other) noexcept {
-    std::swap(state_, other.state_);
+  // Two operators, as in PlaneStore. A copy has the options of its source, so
+  // it does not keep its resource, and a move never copies.
+  BroadPhaseCore& operator=(const BroadPhaseCore& other) {
+    return *this = BroadPhaseCore(other);
+  }
+  BroadPhaseCore& operator=(BroadPhaseCore&& other) noexcept {
+    BroadPhaseCore taken(std::move(other));
+    std::swap(state_, taken.state_);
     return *this;
   }
   ~BroadPhaseCore();

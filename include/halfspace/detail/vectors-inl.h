@@ -47,16 +47,21 @@ struct LoadAligned {
   }
 };
 
-#if HWY_MEM_OPS_MIGHT_FAULT
-// Copies the first `count` of some lanes, and clears the others. Not inlined: a
-// kernel would have a copy for each plane.
+// AVX2's masked loads of floats and doubles never fault, and read nothing
+// outside of their mask. Highway's macro is about its other types.
 template <typename T>
-static HWY_NOINLINE void CopyFirst(const T* from, size_t count, size_t lanes,
-                                   T* to) {
-  for (size_t i = 0; i < count; ++i) to[i] = from[i];
-  for (size_t i = count; i < lanes; ++i) to[i] = T{};
+inline constexpr bool kMaskedLoadsAreSafe = HWY_MEM_OPS_MIGHT_FAULT == 0 ||
+                                            (HWY_TARGET == HWY_AVX2 &&
+                                             std::is_floating_point_v<T>);
+
+// Loads a copy of the first `count` lanes. Not inlined: a kernel would have a
+// copy for each plane.
+template <class D, typename T>
+HWY_NOINLINE hn::Vec<D> LoadCopy(D d, const T* from, size_t count) {
+  HWY_ALIGN T copy[hn::MaxLanes(D())] = {};
+  for (size_t i = 0; i < count; ++i) copy[i] = from[i];
+  return hn::Load(d, copy);
 }
-#endif
 
 // Loads the first `count` lanes and reads nothing past them; the others are
 // unspecified. 0 < count < lanes.
@@ -65,13 +70,24 @@ struct LoadFirst {
 
   template <class D, typename T>
   HWY_INLINE hn::Vec<D> operator()(D d, const T* from) const {
-#if HWY_MEM_OPS_MIGHT_FAULT
-    HWY_ALIGN T copy[HWY_MAX_BYTES / sizeof(T)];
-    CopyFirst(from, count, hn::Lanes(d), copy);
-    return hn::Load(d, copy);
-#else
-    return hn::MaskedLoad(hn::FirstN(d, count), d, from);
+    if constexpr (kMaskedLoadsAreSafe<T>) {
+      return hn::MaskedLoad(hn::FirstN(d, count), d, from);
+    } else if constexpr (hn::MaxLanes(D()) == 2) {
+      return hn::Set(d, from[0]);
+#if HWY_TARGET != HWY_SCALAR  // which has no halves
+    } else if constexpr (hn::MaxLanes(D()) == 4) {
+      // The last element again where there are fewer than three.
+      const hn::Half<D> d2;
+      const hn::Half<decltype(d2)> d1;
+      const auto first = hn::LoadU(d1, from);
+      const auto second = hn::LoadU(d1, from + count / 2);
+      const auto last = hn::LoadU(d1, from + count - 1);
+      return hn::Combine(d, hn::ZeroExtendVector(d2, last),
+                         hn::Combine(d2, second, first));
 #endif
+    } else {
+      return LoadCopy(d, from, count);
+    }
   }
 };
 

@@ -151,42 +151,42 @@ HWY_INLINE uint64_t KeptBits(D d, Load load, const T* const* planes, size_t i,
   return kVerdictIsKept<D> ? bits : bits ^ kLowBits<kObjects>;
 }
 
-// The last word: `count` objects from i on, 0 < count < 64. Nothing past them
-// is read, and bits past them are 0.
-template <size_t kMins, class D, typename T, class... V>
-HWY_INLINE uint64_t KeptTail(D d, const T* const* planes, size_t i,
-                             size_t count, V... query) {
+// The last word: objects i ... end - 1, at least one and fewer than 64. No
+// others are read, except that with kReadsBack the vector before them may be.
+// Bits past the last object are 0.
+template <size_t kMins, bool kReadsBack, class D, typename T, class... V>
+HWY_INLINE uint64_t KeptTail(D d, const T* const* planes, size_t i, size_t end,
+                             V... query) {
+  constexpr std::index_sequence<0> kOne;
   const size_t lanes = hn::Lanes(d);
+  const uint64_t past_end = ~uint64_t{0} << (end - i);
+  const bool has_vector = kReadsBack || end - i >= lanes;
   uint64_t bits = 0;
-#if HWY_MEM_OPS_MIGHT_FAULT
-  if (count >= lanes) {
-    // The last vector tests some objects of the one before again: a copy of
-    // each plane takes longer.
-    for (size_t l = 0;; l = HWY_MIN(l + lanes, count - lanes)) {
-      bits |=
-          VerdictBits(d, Verdict<kMins>(d, LoadAll(), planes, i + l, query...))
-          << l;
-      if (l + lanes == count) break;
-    }
-  } else {
-    const LoadFirst load{count};
-    bits = VerdictBits(d, Verdict<kMins>(d, load, planes, i, query...));
-  }
-#else
   size_t l = 0;
-  for (; l + lanes <= count; l += lanes) {
+  if constexpr (hn::MaxLanes(D()) == 2 || hn::MaxLanes(D()) == 4) {
+    // Groups of 16 take fewer instructions than vectors of 4.
+    for (; i + 16 <= end; i += 16, l += 16) {
+      const uint64_t kept =
+          KeptBits<kMins, 16>(d, LoadAll(), planes, i, query...);
+      bits |= (kept ^ kLowBits<16>) << l;
+    }
+  }
+  for (; i + lanes <= end; i += lanes, l += lanes) {
+    bits |= VectorBits<kMins>(kOne, d, LoadAll(), planes, i, query...) << l;
+  }
+  if (HWY_MEM_OPS_MIGHT_FAULT && i < end && has_vector) {
+    // The last vector begins as many objects earlier as it lacks, and tests
+    // these again.
+    const size_t lacks = i + lanes - end;
     bits |=
-        VerdictBits(d, Verdict<kMins>(d, LoadAll(), planes, i + l, query...))
-        << l;
+        VectorBits<kMins>(kOne, d, LoadAll(), planes, i - lacks, query...) >>
+        lacks << l;
+  } else if (i < end) {
+    const LoadFirst load{(end - i) % kWordObjects};
+    bits |= VectorBits<kMins>(kOne, d, load, planes, i, query...) << l;
   }
-  if (l < count) {
-    const LoadFirst load{count - l};
-    bits |= VerdictBits(d, Verdict<kMins>(d, load, planes, i + l, query...))
-            << l;
-  }
-#endif
   if (!kVerdictIsKept<D>) bits = ~bits;
-  return bits & ~(~uint64_t{0} << count);
+  return bits & ~past_end;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -238,7 +238,7 @@ class BVH(Lazy, dask.base.DaskMethodsMixin):
         The nearest partition with k objects gives each point a radius. Then all other
         partitions within it are searched.
         """
-        k = _arrays.positive(k, "k")
+        k = _arrays.neighbours(k)
         max_distance = _arrays.not_negative(max_distance, "max_distance")
         source = self._probes(points, "points", 1, 2)
         tasks = Tasks("nearest")
@@ -305,14 +305,17 @@ class BVH(Lazy, dask.base.DaskMethodsMixin):
         """Finds the k objects that are nearest to each point or box, as `nearest`.
 
         Returns an iterator of (rows, ids, distances), one for each chunk of points: the
-        rows of the points, and ids and distances of the shape (rows, k). Where fewer than
-        k objects are within `max_distance`, ids are -1 and distances infinite.
+        rows of the points, and ids and distances of the shape (rows, k), with k as in
+        `halfspace.BVH`. Where fewer than k objects are within `max_distance`, ids are -1
+        and distances infinite.
         """
-        k = _arrays.positive(k, "k")
+        k = _arrays.neighbours(k)
         max_distance = _arrays.not_negative(max_distance, "max_distance")
         run, source = Runner(), self._probes(points, "points", 1, 2)
-        found = run.nearest(source, self._place(run), k, max_distance)
-        merged = run.each(found, lambda its: run.add(_tasks.merge, its[0], k, its[1] + its[3]))
+        placed = self._place(run)
+        found = run.nearest(source, placed, k, max_distance)
+        merged = run.each(
+            found, lambda its: run.add(_tasks.merge, its[0], placed.top, k, its[1] + its[3]))
         return ((first + np.arange(len(ids)), ids, distances)
                 for first, ids, distances in run.by_row(zip(merged)))
 

@@ -275,9 +275,9 @@ def _best(found: list, k: int):
     return rows[some], rank[some], ids[some], distances[some]
 
 
-def merge(home: Routed, k: int, found: list):
+def merge(home: Routed, top: Top, k: int, found: list):
     """All ids and distances of a chunk, and its number of rows."""
-    count = len(home.data)
+    count, k = len(home.data), max(1, min(k, int(top.sizes.sum())))
     all_ids = np.full((count, k), -1, np.int64)
     all_distances = np.full((count, k), np.inf, np.float32)
     if found:

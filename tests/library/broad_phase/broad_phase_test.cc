@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <functional>
+#include <initializer_list>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -410,6 +413,78 @@ TEST(BroadPhaseSaveTest, AlteredBytesDoNoHarm) {
     accepted += LoadAltered(kLayout, altered, random) ? 1 : 0;
   }
   EXPECT_GT(accepted, 0u);
+}
+
+// Bytes without a body that list changed ids, each of which takes a record.
+TEST(BroadPhaseSaveTest, ChangedIdsTakeTheMemoryThatTheHeaderSays) {
+  std::vector<std::byte> bytes = BytesOf(CoreOf(Bodies()));
+  ASSERT_EQ(bytes.size(), 64u);
+  bytes.resize(192);
+  constexpr std::uint64_t kCount = 16;  // in each of two lists
+  std::memcpy(&bytes[48], &kCount, sizeof(std::uint64_t));
+  std::memcpy(&bytes[56], &kCount, sizeof(std::uint32_t));
+  constexpr std::uint32_t kLast = 0x7FFFFFFF;
+  constexpr std::uint32_t kInGroup = 4096;
+  for (const auto id_of : std::initializer_list<std::uint32_t (*)(unsigned)>{
+           [](unsigned i) { return kLast / kInGroup / 32 * i * kInGroup; },
+           [](unsigned i) { return kLast - i * kInGroup; },
+           [](unsigned i) { return kLast - (31 - i) * kInGroup; },
+           [](unsigned i) { return kLast >> i; },
+           [](unsigned i) { return kLast >> (31 - i); }}) {
+    for (unsigned i = 0; i < 2 * kCount; ++i) {
+      const std::uint32_t id = id_of(i);
+      std::memcpy(&bytes[64 + sizeof(id) * i], &id, sizeof(id));
+    }
+    const std::size_t most = 2200 * bytes.size() + 4'000'000;
+    CountingMemory memory;
+    BroadPhaseOptions options;
+    options.memory = memory.resource();
+    Bodies loaded(options);
+    loaded.Load(bytes);
+    EXPECT_LT(memory.allocated_bytes, most);
+    EXPECT_LT(Bodies(loaded).Statistics().bytes, most);
+  }
+}
+
+// The operators of the classes that callers see.
+template <typename Owner>
+constexpr bool kCopiesMayThrow = !std::is_nothrow_copy_assignable_v<Owner> &&
+                                 !std::is_nothrow_copy_constructible_v<Owner> &&
+                                 std::is_nothrow_move_constructible_v<Owner> &&
+                                 std::is_nothrow_swappable_v<Owner>;
+static_assert(kCopiesMayThrow<Bodies> &&
+              std::is_nothrow_move_assignable_v<Bodies>);
+// These copy if the resources differ.
+static_assert(kCopiesMayThrow<AabbBvh3> &&
+              !std::is_nothrow_move_assignable_v<AabbBvh3> &&
+              kCopiesMayThrow<PairEvents> &&
+              !std::is_nothrow_move_assignable_v<PairEvents>);
+
+TEST(BroadPhaseMemoryTest, AssignmentsThatFailChangeNothing) {
+  CountingMemory memory;
+  BroadPhaseOptions options;
+  options.memory = memory.resource();
+  Bodies from(options);
+  from.Insert(Ids{1, 2}, std::vector<Aabb3>(2, kUnit));
+  from.UpdatePairs();
+  Bodies to;
+  to.Insert(3, kFar);
+  EXPECT_GT(FailuresOf(
+                memory, [&] { to = from; },
+                [&] {
+                  EXPECT_EQ(FoundIn(to, Aabb3::Everything()), Ids{3});
+                  EXPECT_EQ(FoundIn(from, kUnit), (Ids{1, 2}));
+                }),
+            3u);
+  const Bodies& itself = to;
+  to = itself;
+  EXPECT_EQ(FoundIn(to, kUnit), (Ids{1, 2}));
+  EXPECT_EQ(to.pairs().size(), 1u);
+  from = std::move(to);
+  to = from;
+  EXPECT_EQ(FoundIn(to, kUnit), (Ids{1, 2}));
+  to.Erase(1);
+  EXPECT_TRUE(from.Has(1));
 }
 
 // In a query, beside a body that moved since the last update.

@@ -446,24 +446,20 @@ std::map<std::uint32_t, float> EntriesOf(const Layout& layout,
                {.mask = mask, .target = TargetsUnderTest().front()});
     return entries;
   }
-  double low[3] = {};
-  double high[3] = {};
-  double direction[3] = {};
+  MovingBox moving;
   const Place& place = motion.place;
   for (std::size_t k = 0; k < layout.dims; ++k) {
-    low[k] = place.min[k];
-    high[k] = place.is_point ? place.min[k] : place.max[k];
-    direction[k] = motion.direction[k];
-    if (low[k] > high[k]) return entries;
+    moving.low[k] = place.min[k];
+    moving.high[k] = place.is_point ? place.min[k] : place.max[k];
+    moving.direction[k] = motion.direction[k];
+    if (moving.low[k] > moving.high[k]) return entries;
   }
-  detail::Line line;
-  detail::MakeLine(layout, low, high, direction, max_t,
-                   motion.kind == Motion::kRay ? motion.radius : 0, line);
-  line.max_t = std::min(line.max_t, kMost);
+  moving.max_t = max_t;
+  if (motion.kind == Motion::kRay) moving.radius = motion.radius;
   for (const auto& [id, object] : objects) {
-    const float t = EntryOf(object.bound, line);
+    const float t = moving.EntryOf(layout, object.bound);
     if (t <= kMost && HasMask(object, mask)) {
-      entries[id] = detail::ReportedTime(t);
+      entries[id] = t < MovingBox::kApart ? 0 : t;
     }
   }
   return entries;
@@ -488,7 +484,7 @@ void ExpectHits(const Searches& world, const Objects& objects,
         motion,
         [&](std::uint32_t id, float t, const Planes& bound) {
           EXPECT_TRUE(found.emplace(id, t).second) << id;
-          EXPECT_LE(t, limit + detail::kApartOnLine);
+          EXPECT_LE(t, limit + MovingBox::kApart);
           const auto object = objects.find(id);
           EXPECT_TRUE(object != objects.end() &&
                       AreSame(bound, object->second.bound));

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "halfspace/halfspace.h"
@@ -414,8 +415,22 @@ TEST(TrianglesTest, WhatIsNotFiniteIsAMiss) {
   }
 }
 
-mpq_class ExactSquareTo(const std::array<Rational, 3>& corners) {
-  mpq_class best = Dot(corners[0], corners[0]);
+// The closest point of a triangle to the origin.
+Rational ExactClosest(const std::array<Rational, 3>& corners) {
+  const Rational normal =
+      Cross(Minus(corners[1], corners[0]), Minus(corners[2], corners[0]));
+  const mpq_class size = Dot(normal, normal);
+  bool is_inside = size != 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    is_inside &=
+        Dot(normal, Cross(corners[(k + 1) % 3], corners[(k + 2) % 3])) >= 0;
+  }
+  Rational best = corners[0];
+  if (is_inside) {
+    const mpq_class height = Dot(normal, corners[0]) / size;
+    for (std::size_t i = 0; i < 3; ++i) best[i] = height * normal[i];
+    return best;
+  }
   for (std::size_t k = 0; k < 3; ++k) {
     const Rational edge = Minus(corners[(k + 1) % 3], corners[k]);
     const mpq_class square = Dot(edge, edge);
@@ -424,46 +439,129 @@ mpq_class ExactSquareTo(const std::array<Rational, 3>& corners) {
     s = std::clamp<mpq_class>(s, 0, 1);
     Rational at;
     for (std::size_t i = 0; i < 3; ++i) at[i] = corners[k][i] + s * edge[i];
-    best = std::min<mpq_class>(best, Dot(at, at));
+    if (Dot(at, at) < Dot(best, best)) best = at;
   }
-  const Rational normal =
-      Cross(Minus(corners[1], corners[0]), Minus(corners[2], corners[0]));
-  bool is_inside = Dot(normal, normal) != 0;
+  return best;
+}
+
+double LengthOf(const Rational& a) { return std::sqrt(Dot(a, a).get_d()); }
+
+::testing::AssertionResult IsClosest(const Point<3>& from,
+                                     const Triangle<3>& triangle) {
+  const TrianglePoint found = ClosestPoint(from, triangle);
+  const auto corners = From(from, triangle);
+  const Rational exact = ExactClosest(corners);
+  double slack = 0x1p-149;
+  for (const Rational& corner : corners) {
+    slack = std::max(slack, 0x1p-45 * LengthOf(corner));
+  }
+  const auto is_near = [&](float result, const mpq_class& value) {
+    const mpq_class error = abs(Exact(result) - value);
+    return error <= Exact(0x1p-24) * abs(value) + Exact(slack);
+  };
+  const Rational origin = ToRational(from);
+  bool is_right = is_near(found.distance, LengthOf(exact));
   for (std::size_t k = 0; k < 3; ++k) {
-    is_inside &=
-        Dot(normal, Cross(corners[(k + 1) % 3], corners[(k + 2) % 3])) >= 0;
+    is_right &= is_near(found.point[k], origin[k] + exact[k]);
   }
-  if (!is_inside) return best;
-  const mpq_class height = Dot(normal, corners[0]);
-  return height * height / Dot(normal, normal);
+  if (is_right) return ::testing::AssertionSuccess();
+  auto failure = ::testing::AssertionFailure();
+  for (std::size_t k = 0; k < 3; ++k) {
+    failure << found.point[k] << " instead of "
+            << mpq_class(origin[k] + exact[k]).get_d() << ", ";
+  }
+  return failure << "at " << found.distance << " instead of " << LengthOf(exact)
+                 << ", slack " << slack;
 }
 
 TEST(TrianglesTest, ClosestPointsAreClosest) {
   for (const Scale& scale : kScales) {
     SCOPED_TRACE(scale.name);
     Random random(3);
-    const auto point = [&] { return scale.NextPoint(random); };
     for (int i = 0; i < 10'000; ++i) {
+      const auto point = [&] { return scale.NextPoint(random); };
       const Triangle<3> triangle = {point(), point(), point()};
-      const Point<3> from = point();
-      const TrianglePoint found = ClosestPoint(from, triangle);
-      const auto corners = From(from, triangle);
-      const double exact = std::sqrt(ExactSquareTo(corners).get_d());
-      double far = 0.0;
-      for (const Rational& corner : corners) {
-        far = std::max(far, std::sqrt(Dot(corner, corner).get_d()));
-      }
-      const double error = 0x1p-23 * exact + 0x1p-45 * far + 0x1p-149;
-      ASSERT_NEAR(found.distance, exact, error) << i;
-      double square = 0.0;
-      double size = 0.0;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const double gap = double{found.point[k]} - double{from[k]};
-        square += gap * gap;
-        size = std::max(size, std::fabs(double{found.point[k]}));
-      }
-      ASSERT_NEAR(std::sqrt(square), exact, 2 * error + 0x1p-23 * size) << i;
+      ASSERT_TRUE(IsClosest(point(), triangle)) << i;
     }
+  }
+}
+
+// Squares of distances, and weights of the corners, lose the closest point.
+TEST(TrianglesTest, ClosestPointsOfThinAndFarTriangles) {
+  const Triangle<3> unit = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  EXPECT_TRUE(IsClosest({0.25f, 0.25f, 1e8f}, unit));
+  Random random(4);
+  const auto tiny = [&](int most) {
+    return std::ldexp(Unit(random), -static_cast<int>(random() % most));
+  };
+  for (int i = 0; i < 20'000; ++i) {
+    // Near a point of the line of an edge, and then far from the triangle.
+    std::array<Point<3>, 4> points;
+    const float part = 2 * Unit(random);
+    const float place = 2 * Unit(random);
+    const float along = tiny(20);
+    const float up = i % 2 == 0 ? 0 : std::ldexp(tiny(20), i % 60);
+    for (std::size_t k = 0; k < 3; ++k) {
+      auto& [a, b, c, from] = points;
+      a[k] = random() % 2 == 0 ? 0 : Unit(random);
+      b[k] = a[k] + (random() % 4 == 0 ? 0 : Unit(random));
+      c[k] = a[k] + part * (b[k] - a[k]) + tiny(40);
+      from[k] = a[k] + place * (b[k] - a[k]) + tiny(40) + along;
+    }
+    points[3][i % 3] += up;
+    std::swap(points[random() % 3], points[0]);
+    ASSERT_TRUE(IsClosest(points[3], {points[0], points[1], points[2]})) << i;
+  }
+  // Far from zero, and next to an edge.
+  for (int i = 0; i < 5'000; ++i) {
+    std::array<Point<3>, 4> points;
+    for (Point<3>& point : points) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        point[k] = static_cast<float>(random() % (k == 0 ? 2 : 64));
+      }
+    }
+    auto& [a, b, c, from] = points;
+    const float part = std::fabs(Unit(random));
+    for (std::size_t k = 0; k < 3; ++k) {
+      from[k] = std::floor(a[k] + part * (b[k] - a[k]));
+      for (Point<3>& point : points) point[k] += 0x1p23f;
+    }
+    ASSERT_TRUE(IsClosest(from, {a, b, c})) << i;
+  }
+  // Points of a lattice whose coordinates are Fibonacci numbers: an edge is up
+  // to 2^22 cells long, and the triangle as large as a few cells. Each axis has
+  // its own scale. The point is above the lattice.
+  const auto power = [&](int least, int most) {
+    return std::ldexp(1.0f,
+                      least + static_cast<int>(random() % (most - least + 1)));
+  };
+  for (int i = 0; i < 20'000; ++i) {
+    Point<3> scale;
+    Point<3> s;
+    Point<3> t;
+    for (std::size_t k = 0; k < 3; ++k) {
+      scale[k] = power(-20, 20);
+      s[k] = static_cast<float>(random() % 9) - 4;
+      t[k] = static_cast<float>(random() % 9) - 4;
+    }
+    std::array<Point<3>, 4> points;
+    for (Point<3>& point : points) {
+      float of_s = 0;
+      float of_t = static_cast<float>(random() % 3) - 1;
+      for (std::size_t n = random() % 29; n > 0; --n) {
+        of_s = std::exchange(of_t, of_s + of_t);
+      }
+      for (std::size_t k = 0; k < 3; ++k) {
+        point[k] = scale[k] * (of_s * s[k] + of_t * t[k]);
+      }
+    }
+    const float up = power(-10, 40);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t next = (k + 1) % 3;
+      const std::size_t last = (k + 2) % 3;
+      points[3][k] += up / scale[k] * (s[next] * t[last] - s[last] * t[next]);
+    }
+    ASSERT_TRUE(IsClosest(points[3], {points[0], points[1], points[2]})) << i;
   }
 }
 

@@ -1,15 +1,14 @@
-// What the kernels of queries compute for one bound, in scalars: the same
-// operations in the same order.
+// What a query shape keeps, by hand: the inequalities of docs/bvh.md in
+// scalars, with the same operations in the same order as in the kernels.
 #ifndef HALFSPACE_TESTS_LIBRARY_BVH_SHAPE_REFERENCE_H_
 #define HALFSPACE_TESTS_LIBRARY_BVH_SHAPE_REFERENCE_H_
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <vector>
 
 #include "halfspace/halfspace.h"
-#include "kernels/bvh/shape.h"
 #include "tests/library/bvh/any_bvh.h"
 
 namespace halfspace::testing {
@@ -30,40 +29,132 @@ inline float SquaredDistanceOf(const Layout& layout, const Planes& planes,
   return sum;
 }
 
+// At least the value, and at most two ulps more.
+inline float UpFrom(double value) {
+  return static_cast<float>(value + std::fabs(value) * 0x1p-23 + 0x1p-149);
+}
+
+// Up to which squared distance a ball reaches.
+inline float SquaredReachOf(float radius) {
+  const float limit = radius * radius * (1 + 1.125f * 0x1p-18f) + 0x1p-124f;
+  return limit < 0x1p127f * (2 - 0x1p-20f) ? limit : kInf;
+}
+
+// The ball around a point or a box.
 inline bool IsInReach(const Layout& layout, const Planes& planes,
-                      const detail::Ball& ball) {
-  if (SquaredDistanceOf(layout, planes, ball.center.low, ball.center.high) >
-      ball.limit) {
+                      const float* low, const float* high, float radius) {
+  if (SquaredDistanceOf(layout, planes, low, high) > SquaredReachOf(radius)) {
     return false;
   }
-  return ball.d_axis == 0 ||
-         !(planes[ball.d_axis] > ball.d_max ||
-           (layout.has_max &&
-            planes[layout.first_max + ball.d_axis] < ball.d_min));
-}
-
-// Infinite if the line does not enter.
-inline float EntryOf(const Planes& planes, const detail::Line& line) {
-  float enter = 0;
-  float exit = line.max_t;
-  for (std::size_t p = 0; p < line.planes; ++p) {
-    const float t = (planes[line.plane[p].plane] - line.plane[p].offset) *
-                    line.plane[p].inverse;
-    if (p < line.entering) {
-      if (t > enter) enter = t;
-    } else if (t < exit) {
-      exit = t;
-    }
+  if (layout.axes == layout.dims) return true;
+  double least = 0;
+  double most = 0;
+  double width =
+      std::sqrt(static_cast<double>(layout.dims)) * (1 + 0x1p-50) * radius;
+  for (std::size_t k = 0; k < layout.dims; ++k) {
+    least -= high[k];
+    most -= low[k];
+    width += 0x1p-50 * (std::fabs(double{low[k]}) + std::fabs(double{high[k]}));
   }
-  return enter > exit + detail::kApartOnLine ? kInf : enter;
+  return !(planes[layout.dims] > UpFrom(most + width) ||
+           (layout.has_max &&
+            planes[layout.first_max + layout.dims] < -UpFrom(width - least)));
 }
 
-inline bool IsBehind(const Planes& planes, const detail::HalfSpaceTest& test) {
-  float sum = test.offset;
-  for (std::size_t t = 0; t < test.terms; ++t) {
-    const float value = planes[test.term[t].plane];
-    const float more = value * test.term[t].more;
-    const float less = value * test.term[t].less;
+// A box that is larger by a radius, and moves from `low` and `high` by t *
+// direction.
+struct MovingBox {
+  // It misses a bound if it leaves one axis so much before it enters another.
+  static constexpr float kApart = 0x1p-100f;
+
+  // Infinite if it does not enter. `limits`: whether any axis could reject.
+  float EntryOf(const Layout& layout, const Planes& planes,
+                bool* limits = nullptr) const {
+    float enter = 0;
+    float exit = std::min(max_t, kMost);
+    const auto pass_axis = [&](std::size_t k, double least, double most,
+                               double rise, double width) {
+      if (std::fabs(rise) < 0x1p-100) {  // counts as not moving
+        if (rise != 0) width += std::fabs(rise) * double{max_t};
+        rise = 0;
+      }
+      const double size = std::max(std::fabs(least), std::fabs(most)) + width;
+      // An axis that could overflow, or has a NaN, rejects nothing.
+      if (!(std::fabs(rise) < 0x1p120 && size < 0x1p99 && least <= most)) {
+        return;
+      }
+      if (limits != nullptr) *limits = true;
+      width += size * 0x1p-23 + 0x1p-124;
+      const float inverse = 1 / static_cast<float>(rise);
+      const auto pass = [&](float value, double offset, bool enters) {
+        const float t = (value - static_cast<float>(offset)) *
+                        (inverse * (enters ? 1 - 0x1p-20f : 1 + 0x1p-20f));
+        if (enters && t > enter) enter = t;
+        if (!enters && t < exit) exit = t;
+      };
+      pass(planes[k], most + width, inverse > 0);
+      if (layout.has_max) {
+        pass(planes[layout.first_max + k], least - width, inverse < 0);
+      }
+    };
+    double least = 0;  // on D
+    double most = 0;
+    double rise = 0;
+    double size = 0;
+    double reach = 0;
+    for (std::size_t k = 0; k < layout.dims; ++k) {
+      pass_axis(k, low[k], high[k], direction[k], radius);
+      least -= high[k];
+      most -= low[k];
+      rise -= direction[k];
+      size += std::max(std::fabs(low[k]), std::fabs(high[k]));
+      reach += std::fabs(direction[k]);
+    }
+    if (layout.axes > layout.dims) {
+      // Where the direction nearly cancels out.
+      if (std::fabs(rise) < 0x1p-24 * reach) size += reach * double{max_t};
+      pass_axis(
+          layout.dims, least, most, rise,
+          radius * std::sqrt(static_cast<double>(layout.dims)) * (1 + 0x1p-50) +
+              0x1p-50 * size);
+    }
+    return enter > exit + kApart ? kInf : enter;
+  }
+
+  double low[3] = {};
+  double high[3] = {};
+  double direction[3] = {};
+  float max_t = 1;
+  float radius = 0;
+};
+
+// Of a half-space of finite numbers.
+inline bool IsBehind(const Layout& layout, const Planes& planes,
+                     const float* normal, float offset) {
+  // Of minima alone, all factors are at most 0, also that of D.
+  double most = 0;
+  for (std::size_t k = 0; k < layout.dims && !layout.has_max; ++k) {
+    most = std::max(most, double{normal[k]});
+  }
+  double factors[4] = {};
+  for (std::size_t k = 0; k < layout.dims; ++k) factors[k] = normal[k] - most;
+  if (!layout.has_max) factors[layout.dims] = -most;
+  double largest = 0;
+  for (const double f : factors) largest = std::max(largest, std::fabs(f));
+  // To at most 1/8.
+  const double scale =
+      largest > 0 ? std::ldexp(1.0, -4 - std::ilogb(largest)) : 1;
+  const double scaled = std::max(offset * scale, -0x1p126);
+  if (scaled >= 0x1p126) return false;
+  float sum = UpFrom(scaled + std::fabs(scaled) * 0x1p-19 + 0x1p-120);
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double factor = factors[k] * scale;
+    if (factor == 0) continue;
+    if (std::fabs(factor) < 0x1p-100) return false;
+    const float value =
+        planes[layout.has_max && factor > 0 ? layout.first_max + k : k];
+    const float more = value * static_cast<float>(factor * (1 + 0x1p-19));
+    const float less = value * static_cast<float>(factor * (1 - 0x1p-19));
     sum = sum + (more > less ? more : less);
   }
   return sum < 0;
@@ -79,17 +170,35 @@ Planes QueryPlanesOf(const Layout& layout, const Aabo<kDims>& bound) {
   return planes;
 }
 
-// The test of one shape, except of an oriented box.
+// The test of one shape, except of an oriented box. A walk takes a shape for
+// its bound if a builder cannot bound it, if its radius is too large to be
+// squared, or if no axis limits its line. The bound of a point or a sphere is
+// that of the builder, which has tests of its own.
 class ShapeReference {
  public:
   ShapeReference(const Layout& layout, const Shape& shape)
-      : layout_(layout), bound_(AllPlanes(layout, kInf)) {
+      : layout_(layout), shape_(shape), bound_(AllPlanes(layout, kInf)) {
+    const float* const n = shape.numbers.data();
+    const std::size_t dims = layout.dims;
     if (shape.kind == Shape::kBound) {
-      std::copy_n(shape.numbers.begin(), layout.plane_count, bound_.begin());
-    } else if (layout.dims == 2) {
-      Make<2>(shape);
+      std::copy_n(n, layout.plane_count, bound_.begin());
+    } else if (shape.kind == Shape::kHalfSpaces) {
+      is_exact_ = true;
+    } else if (shape.kind == Shape::kPoint || shape.kind == Shape::kSphere) {
+      is_exact_ = shape.kind == Shape::kSphere && CanBeBounded(1) &&
+                  SquaredReachOf(n[dims]) != kInf;
+      if (!is_exact_) dims == 2 ? SetSphere<2>() : SetSphere<3>();
+    } else if (shape.kind == Shape::kRoundedBox) {
+      is_exact_ = CanBeBounded(2) && SquaredReachOf(n[2 * dims]) != kInf;
+      if (!is_exact_) SetLargerBox(n, n + dims, n[2 * dims]);
     } else {
-      Make<3>(shape);
+      if (shape.kind == Shape::kCapsule) line_.radius = n[2 * dims];
+      for (std::size_t k = 0; k < dims; ++k) {
+        line_.low[k] = line_.high[k] = n[k];
+        line_.direction[k] = double{n[dims + k]} - n[k];
+      }
+      if (CanBeBounded(2)) (void)line_.EntryOf(layout, bound_, &is_exact_);
+      if (!is_exact_) bound_ = AllPlanes(layout, kMost);
     }
   }
 
@@ -99,20 +208,59 @@ class ShapeReference {
         return false;
       }
     }
-    return (!has_ball_ || IsInReach(layout_, planes, ball_)) &&
-           (!has_line_ || EntryOf(planes, line_) <= 1) &&
-           std::none_of(
-               half_spaces_.begin(), half_spaces_.end(),
-               [&](const auto& front) { return IsBehind(planes, front); });
+    if (!is_exact_) return true;
+    const std::size_t dims = layout_.dims;
+    const float* const n = shape_.numbers.data();
+    switch (shape_.kind) {
+      case Shape::kSphere:
+        return IsInReach(layout_, planes, n, n, n[dims]);
+      case Shape::kRoundedBox:
+        return IsInReach(layout_, planes, n, n + dims, n[2 * dims]);
+      case Shape::kHalfSpaces:
+        for (std::size_t i = 0; i < shape_.numbers.size(); i += dims + 1) {
+          // One that is unusable keeps every object, also those that are
+          // Empty().
+          const bool is_usable =
+              std::all_of(n + i, n + i + dims + 1,
+                          [](float x) { return std::isfinite(x); });
+          if (is_usable && IsBehind(layout_, planes, n + i, n[i + dims])) {
+            return false;
+          }
+        }
+        return true;
+      default:
+        return line_.EntryOf(layout_, planes) <= 1;
+    }
   }
 
  private:
+  // Whether a builder can bound each of the points, with the radius.
+  bool CanBeBounded(std::size_t points) const {
+    const std::vector<float>& n = shape_.numbers;
+    for (std::size_t p = 0; p < points; ++p) {
+      float sum = 0;
+      for (std::size_t k = 0; k < layout_.dims; ++k) {
+        sum += std::fabs(n[p * layout_.dims + k]);
+      }
+      if (n.size() > points * layout_.dims) sum += n.back();
+      if (!(sum <= 0x1p125f)) return false;
+    }
+    return true;
+  }
+
+  template <int kDims>
+  void SetSphere() {
+    Sphere<kDims> sphere{};
+    std::copy_n(shape_.numbers.begin(), shape_.numbers.size(),
+                &sphere.center[0]);
+    bound_ = QueryPlanesOf(layout_, BoundSphere(sphere));
+  }
+
   // Of a rounded box, without a limit on D. Everything if a number is NaN.
   void SetLargerBox(const float* low, const float* high, double radius) {
     const auto sum = [&](double value) {
       const double larger = value + radius;
-      return std::isinf(larger) ? static_cast<float>(larger)
-                                : detail::RoundedUp(larger);
+      return std::isinf(larger) ? static_cast<float>(larger) : UpFrom(larger);
     };
     bool has_nan = false;
     for (std::size_t k = 0; k < layout_.dims; ++k) {
@@ -127,60 +275,11 @@ class ShapeReference {
     if (has_nan) bound_ = AllPlanes(layout_, kMost);
   }
 
-  // A walk takes a shape for its bound if a builder cannot bound it, if its
-  // radius is too large to be squared, or if no axis limits its line.
-  template <int kDims>
-  void Make(const Shape& shape) {
-    const float* const n = shape.numbers.data();
-    if (shape.kind == Shape::kHalfSpaces) {
-      for (std::size_t i = 0; i < shape.numbers.size(); i += kDims + 1) {
-        // One that is unusable keeps every object, also those that are Empty().
-        if (!std::all_of(n + i, n + i + kDims + 1,
-                         [](float x) { return std::isfinite(x); })) {
-          continue;
-        }
-        half_spaces_.push_back(
-            detail::MakeHalfSpaceTest(layout_, n + i, n[i + kDims]));
-      }
-    } else if (shape.kind == Shape::kPoint || shape.kind == Shape::kSphere) {
-      Sphere<kDims> sphere{};
-      std::copy_n(n, shape.numbers.size(), &sphere.center[0]);
-      detail::MakeBall(layout_, n, n, sphere.radius, ball_);
-      const Aabo<kDims> bound = BoundSphere(sphere);
-      has_ball_ = shape.kind == Shape::kSphere &&
-                  bound != Aabo<kDims>::Everything() && ball_.limit != kInf;
-      if (!has_ball_) bound_ = QueryPlanesOf(layout_, bound);
-    } else if (shape.kind == Shape::kRoundedBox) {
-      Capsule<kDims> corners{};
-      std::memcpy(&corners, n, shape.numbers.size() * sizeof(float));
-      detail::MakeBall(layout_, n, n + kDims, corners.radius, ball_);
-      has_ball_ = BoundCapsule(corners) != Aabo<kDims>::Everything() &&
-                  ball_.limit != kInf;
-      if (!has_ball_) SetLargerBox(n, n + kDims, corners.radius);
-    } else {
-      Capsule<kDims> capsule{};
-      std::memcpy(&capsule, n, shape.numbers.size() * sizeof(float));
-      double origin[3] = {};
-      double direction[3] = {};
-      for (std::size_t k = 0; k < kDims; ++k) {
-        origin[k] = capsule.a[k];
-        direction[k] = double{capsule.b[k]} - capsule.a[k];
-      }
-      detail::MakeLine(layout_, origin, origin, direction, 1, capsule.radius,
-                       line_);
-      has_line_ = BoundCapsule(capsule) != Aabo<kDims>::Everything() &&
-                  line_.planes > 0;
-      if (!has_line_) bound_ = AllPlanes(layout_, kMost);
-    }
-  }
-
   Layout layout_;
-  Planes bound_;  // that the shape's must touch as well
-  bool has_ball_ = false;
-  bool has_line_ = false;
-  detail::Ball ball_{};
-  detail::Line line_{};
-  std::vector<detail::HalfSpaceTest> half_spaces_;
+  const Shape& shape_;
+  Planes bound_;           // that the shape's must touch as well
+  bool is_exact_ = false;  // not by its bound alone
+  MovingBox line_;
 };
 
 }  // namespace halfspace::testing

@@ -50,6 +50,7 @@ class CountingMemory {
     if (fill != 0) std::memset(memory + kAlignment, fill, whole - kAlignment);
     ++blocks;
     ++allocations;
+    allocated_bytes += bytes;
     return memory + kAlignment + shift;
   }
 
@@ -74,8 +75,9 @@ class CountingMemory {
   std::size_t left = kNoLimit;  // allocations before there is no memory
   std::size_t blocks = 0;       // that were not given back
   std::size_t allocations = 0;
-  int fill = 0;           // the bytes of a new block
-  std::size_t shift = 0;  // bytes that blocks lie off their alignment
+  std::size_t allocated_bytes = 0;  // by all allocations
+  int fill = 0;                     // the bytes of a new block
+  std::size_t shift = 0;            // bytes that blocks lie off their alignment
 
  private:
   static constexpr std::size_t kAlignment = 64;

@@ -21,10 +21,20 @@ inline std::vector<std::size_t> EverySmallSize() {
   return sizes;
 }
 
-// Around the 4096 objects that a staged scan takes at a time.
+// Around the 4096 objects that a staged scan takes at a time, and around those
+// from which on a few boxes are staged.
 inline std::vector<std::size_t> SizesAroundTiles() {
-  return {4095,          4096,          4097,
-          4096 + 64 + 1, 2 * 4096 - 64, 2 * 4096 + 5 * 64 + 37};
+  return {255,
+          257,
+          511,
+          512 + 37,
+          1024 + 1,
+          4095,
+          4096,
+          4097,
+          4096 + 64 + 1,
+          2 * 4096 - 64,
+          2 * 4096 + 5 * 64 + 37};
 }
 
 // Around where planes are taken page by page, for objects of `record_bytes`;
