@@ -120,16 +120,17 @@ class Groups {
         const __m256i some = _mm256_maskz_loadu_epi16(in, bits + j);
         left = _mm256_test_epi16_mask(some, some);
       }
-      _mm512_storeu_si512(ids_ + kept,
-                          _mm512_maskz_compress_epi32(left, ids(j)));
+      const __m512i these = _mm512_maskz_compress_epi32(left, ids(j));
+      _mm256_storeu_si256(reinterpret_cast<__m256i*>(ids_ + kept),
+                          _mm512_cvtepi32_epi16(these));
       kept += hwy::PopCount(left);
     }
     return count_ = kept;
   }
 
-  // A list of their numbers.
+  // A list of their numbers. Of 16 bits, because a call takes little stack.
   static constexpr size_t kLanes = 16;
-  uint32_t ids_[kMost + kLanes];
+  uint16_t ids_[kMost + kLanes];
   GroupBits<kGroup> bits_[kMost];
   size_t count_;
 #else
@@ -163,8 +164,10 @@ HWY_INLINE size_t Groups<kGroup>::Visit(uint64_t* HWY_RESTRICT row,
     bits_[j] = AndGroup<kGroup>(row, ids_[j], kept(ids_[j] * kGroup));
   }
   if (is_last) return 0;
-  return Keep(bits_,
-              [&](size_t j) HWY_ATTR { return _mm512_loadu_si512(ids_ + j); });
+  return Keep(bits_, [&](size_t j) HWY_ATTR {
+    return _mm512_cvtepu16_epi32(
+        _mm256_loadu_si256(reinterpret_cast<const __m256i*>(ids_ + j)));
+  });
 }
 
 #else
