@@ -1,5 +1,8 @@
 #include "bench/baselines/by_hand.h"
 
+#include <algorithm>
+#include <array>
+
 #if defined(__x86_64__) && defined(__GNUC__)
 #include <immintrin.h>
 #elif defined(__aarch64__) && defined(__GNUC__)
@@ -72,6 +75,106 @@ template <std::size_t kMins, std::size_t kMaxs>
       kept |= std::uint64_t{bits} << l;
     }
     *mask++ = kept;
+  }
+}
+
+// Keeps the numbers of the groups of 16 objects that have a bit. Returns how
+// many are left.
+[[gnu::target("avx512f,avx512bw,avx512vbmi2,popcnt")]] std::size_t KeepGroups(
+    const std::uint16_t* bits, const std::uint16_t* groups, std::size_t count,
+    std::uint16_t* left) {
+  std::size_t some = 0;
+  for (std::size_t j = 0; j < count; j += 32) {
+    const __mmask32 in =
+        ~__mmask32{0} >> (32 - std::min<std::size_t>(32, count - j));
+    const __m512i kept = _mm512_maskz_loadu_epi16(in, bits + j);
+    const __mmask32 is_left = _mm512_test_epi16_mask(kept, kept);
+    _mm512_storeu_si512(
+        left + some,
+        _mm512_maskz_compress_epi16(is_left, _mm512_loadu_si512(groups + j)));
+    some += static_cast<std::size_t>(_mm_popcnt_u32(is_left));
+  }
+  return some;
+}
+
+[[gnu::target("avx512f,avx512bw,avx512vbmi2,popcnt")]] void TestStaged(
+    const float* const* planes, std::size_t n, const float* query,
+    std::uint64_t* mask) {
+  constexpr std::size_t kTile = 4096;
+  using GroupList = std::array<std::uint16_t, kTile / 16 + 32>;
+  static constexpr GroupList kAllGroups = [] {
+    GroupList groups{};
+    for (std::size_t g = 0; g < groups.size(); ++g) {
+      groups[g] = static_cast<std::uint16_t>(g);
+    }
+    return groups;
+  }();
+  GroupList groups;
+  GroupList bits;
+  for (std::size_t i = 0; i < n; i += kTile, mask += kTile / 64) {
+    auto* const row = reinterpret_cast<__mmask16*>(mask);
+    std::size_t count = std::min(n - i, kTile) / 16;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const float* const min = planes[axis] + i;
+      const float* const max = planes[3 + axis] + i;
+      const __m512 above = _mm512_set1_ps(query[3 + axis]);
+      const __m512 below = _mm512_set1_ps(query[axis]);
+      if (axis == 0) {
+#pragma GCC unroll 4
+        for (std::size_t g = 0; g < count; ++g) {
+          const __mmask16 kept = _mm512_cmp_ps_mask(
+              _mm512_loadu_ps(min + 16 * g), above, _CMP_NGT_UQ);
+          _store_mask16(row + g, _mm512_mask_cmp_ps_mask(
+                                     kept, _mm512_loadu_ps(max + 16 * g), below,
+                                     _CMP_NLT_UQ));
+        }
+        count = KeepGroups(row, kAllGroups.data(), count, groups.data());
+        continue;
+      }
+#pragma GCC unroll 2
+      for (std::size_t j = 0; j < count; ++j) {
+        const std::size_t g = groups[j];
+        __mmask16 kept = _mm512_mask_cmp_ps_mask(_load_mask16(row + g),
+                                                 _mm512_loadu_ps(min + 16 * g),
+                                                 above, _CMP_NGT_UQ);
+        kept = _mm512_mask_cmp_ps_mask(kept, _mm512_loadu_ps(max + 16 * g),
+                                       below, _CMP_NLT_UQ);
+        _store_mask16(row + g, kept);
+        _store_mask16(reinterpret_cast<__mmask16*>(&bits[j]), kept);
+      }
+      if (axis == 1) {
+        count = KeepGroups(bits.data(), groups.data(), count, groups.data());
+      }
+    }
+  }
+}
+
+// Four queries share each load of four planes. An object below a query is
+// rejected.
+[[gnu::target("avx512f,avx512bw")]] void TestLevels(
+    const std::int8_t* const* planes, std::size_t n, const std::int8_t* queries,
+    std::uint64_t* masks, std::size_t stride) {
+  __m512i values[4][4];
+  for (std::size_t v = 0; v < 16; ++v) {
+    values[v / 4][v % 4] = _mm512_set1_epi8(queries[v]);
+  }
+  for (std::size_t i = 0; i < n; i += 64, ++masks) {
+    __m512i objects[4];
+#pragma GCC unroll 4
+    for (std::size_t p = 0; p < 4; ++p) {
+      objects[p] = _mm512_loadu_si512(planes[p] + i);
+    }
+#pragma GCC unroll 4
+    for (std::size_t q = 0; q < 4; ++q) {
+      __m512i rejected = _mm512_setzero_si512();
+#pragma GCC unroll 4
+      for (std::size_t p = 0; p < 4; ++p) {
+        const __m512i lesser = _mm512_min_epi8(objects[p], values[q][p]);
+        rejected =
+            _mm512_ternarylogic_epi32(rejected, lesser, values[q][p], 0xf6);
+      }
+      masks[q * stride] = _mm512_testn_epi8_mask(rejected, rejected);
+    }
   }
 }
 }  // namespace N_AVX3
@@ -148,6 +251,22 @@ LoopByHand LoopOf(std::string_view /*target*/) {
 #endif
 
 }  // namespace
+
+LoopByHand StagedByHandOf([[maybe_unused]] std::string_view target) {
+#if defined(__x86_64__) && defined(__GNUC__)
+  if (target == "AVX3" && __builtin_cpu_supports("avx512vbmi2") != 0) {
+    return &N_AVX3::TestStaged;
+  }
+#endif
+  return nullptr;
+}
+
+LevelsByHand LevelsByHandOf([[maybe_unused]] std::string_view target) {
+#if defined(__x86_64__) && defined(__GNUC__)
+  if (target == "AVX3") return &N_AVX3::TestLevels;
+#endif
+  return nullptr;
+}
 
 LoopByHand LoopByHandOf(ShapeKind shape, std::string_view target) {
   switch (shape) {

@@ -1,10 +1,13 @@
 // Scans: of one query, against reading the planes and against loops by hand; of
 // many queries; and how many objects survive.
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <numeric>
+#include <random>
 #include <span>
 #include <string>
 #include <utility>
@@ -26,6 +29,23 @@
 namespace halfspace::bench {
 namespace {
 
+// The case of a loop over the planes of a set, timed per call: of each query,
+// its values one after the other, and a mask that survives.
+Case LoopCase(WorkingSet& set, ShapeKind shape, LoopByHand loop) {
+  const std::size_t count = PlaneCountOf(shape);
+  std::vector<float> values;
+  for (const Aabo3& query : set.queries()) {
+    const std::vector<float> of_query = QueryOf(shape, query);
+    values.insert(values.end(), of_query.begin(), of_query.end());
+  }
+  return set.CallCase(
+      shape, [loop, count, values = std::move(values), size = set.objects(),
+              planes = PlanesOf(shape, set.view())](std::size_t q,
+                                                    std::uint64_t* mask) {
+        loop(planes.data(), size, &values[q * count], mask);
+      });
+}
+
 void AddRows(Run& run, WorkingSet& set, ShapeKind shape, Table& table) {
   Contest contest(run, "kernels");
   // By words as a kernel, by pages, and by planes, with vectors of the two
@@ -45,6 +65,18 @@ void AddRows(Run& run, WorkingSet& set, ShapeKind shape, Table& table) {
           {NameOf(shape), set.name(), NameOf(target), name, set.objects()},
           set.LibraryCase(shape, {.schedule = schedule, .target = target}));
     }
+    const auto add_by_hand = [&](const char* name, LoopByHand loop) {
+      if (loop == nullptr) return;
+      Case c = LoopCase(set, shape, loop);
+      c.items *= static_cast<double>(set.objects());
+      contest.Add(
+          {NameOf(shape), set.name(), NameOf(target), name, set.objects()},
+          std::move(c));
+    };
+    add_by_hand("flat, by hand", LoopByHandOf(shape, target.name()));
+    if (shape == ShapeKind::kAabb) {
+      add_by_hand("by-axis, by hand", StagedByHandOf(target.name()));
+    }
   }
   contest.Time();
   const double bytes = static_cast<double>(PlaneCountOf(shape) * sizeof(float));
@@ -58,19 +90,6 @@ void AddTierRows(Run& run, WorkingSet& set, ShapeKind shape, Target target,
                  Table& table) {
   const LoopByHand by_hand = LoopByHandOf(shape, target.name());
   if (by_hand == nullptr) return;
-  // Of each query, its values one after the other, and a mask that survives.
-  const std::size_t count = PlaneCountOf(shape);
-  std::vector<float> values;
-  for (const Aabo3& query : set.queries()) {
-    const std::vector<float> of_query = QueryOf(shape, query);
-    values.insert(values.end(), of_query.begin(), of_query.end());
-  }
-  const std::vector<const float*> planes = PlanesOf(shape, set.view());
-  const auto unchecked = [&](LoopByHand loop) {
-    return set.CallCase(shape, [&, loop](std::size_t q, std::uint64_t* mask) {
-      loop(planes.data(), set.objects(), &values[q * count], mask);
-    });
-  };
   const ShapeQueries queries(set.queries());
   const auto checked =
       queries.With(shape, set.view(), [&](const auto& view, const auto& all) {
@@ -85,11 +104,11 @@ void AddTierRows(Run& run, WorkingSet& set, ShapeKind shape, Target target,
     contest.Add({NameOf(shape), NameOf(target), set.objects(), by},
                 std::move(c), who);
   };
-  add("by hand", unchecked(by_hand), Who::kCompetitor);
+  add("by hand", LoopCase(set, shape, by_hand), Who::kCompetitor);
   const Kernels<float>& kernels = KernelsOf<float>(target);
   const PerShape<LoopByHand> loops{kernels.boxes3.one, kernels.simplices3.one,
                                    kernels.octahedra3.one};
-  add("kernels.h", unchecked(loops.Of(shape)));
+  add("kernels.h", LoopCase(set, shape, loops.Of(shape)));
   add("reject.h", checked);
   contest.Time();
   contest.AddTo(table, [&](std::size_t i) -> Row {
@@ -111,6 +130,25 @@ struct Scene {
   std::vector<std::size_t> counts = std::vector<std::size_t>(queries.size());
   std::vector<std::uint32_t> ids = {};
   std::vector<std::uint32_t> of_queries = {};
+
+  // The masks of boxes, tile by tile: a tile stays in L1 while all queries are
+  // tested on it.
+  void MasksByHand(LoopByHand loop) {
+    constexpr std::size_t kTile = 1152;
+    std::vector<std::vector<float>> values;
+    for (const Aabo3& query : queries.aabos()) {
+      values.push_back(QueryOf(ShapeKind::kAabb, query));
+    }
+    const auto planes = PlanesOf(ShapeKind::kAabb, objects.view());
+    for (std::size_t i = 0; i < objects.size(); i += kTile) {
+      std::vector<const float*> tile = planes;
+      for (const float*& plane : tile) plane += i;
+      for (std::size_t q = 0; q < queries.size(); ++q) {
+        loop(tile.data(), std::min(kTile, objects.size() - i), values[q].data(),
+             &masks[q * MaskWords(objects.size()) + i / 64]);
+      }
+    }
+  }
 
   // Of each query, by a flat scan.
   std::vector<std::size_t> CountsOf(ShapeKind shape) const {
@@ -139,23 +177,33 @@ void AddCalls(Contest& contest, Scene& scene, Target target) {
                  scene.queries.size()},
                 std::move(c));
   };
-  for (ShapeKind shape : kShapes) {
-    const auto call = [&scene, shape, target] {
+  const auto add_masks = [&](const std::string& name, ShapeKind shape,
+                             auto call) {
+    add(name + ", masks of many", shape, call, [&scene] {
+      const std::size_t words = MaskWords(scene.objects.size());
+      for (std::size_t i = 0; i < scene.masks.size(); ++i) {
+        scene.counts[i / words] +=
+            static_cast<std::size_t>(std::popcount(scene.masks[i]));
+      }
+    });
+  };
+  const auto masks_of = [&](ShapeKind shape, Schedule schedule) {
+    return [&scene, shape, options = Options{schedule, target}] {
       scene.queries.With(shape, scene.objects.view(),
                          [&](const auto& view, const auto& queries) {
-                           SurvivorMasks(
-                               view, queries, scene.masks,
-                               {.schedule = Schedule::kFlat, .target = target});
+                           SurvivorMasks(view, queries, scene.masks, options);
                          });
     };
-    add(std::string(NameOf(shape)) + " flat, masks of many", shape, call,
-        [&scene] {
-          const std::size_t words = MaskWords(scene.objects.size());
-          for (std::size_t i = 0; i < scene.masks.size(); ++i) {
-            scene.counts[i / words] +=
-                static_cast<std::size_t>(std::popcount(scene.masks[i]));
-          }
-        });
+  };
+  for (ShapeKind shape : kShapes) {
+    add_masks(std::string(NameOf(shape)) + " flat", shape,
+              masks_of(shape, Schedule::kFlat));
+  }
+  add_masks("AABB", ShapeKind::kAabb,
+            masks_of(ShapeKind::kAabb, Schedule::kAuto));
+  if (const LoopByHand loop = StagedByHandOf(target.name()); loop != nullptr) {
+    add_masks("AABB by hand", ShapeKind::kAabb,
+              [&scene, loop] { scene.MasksByHand(loop); });
   }
   const auto add_counts = [&](const char* name, ShapeKind shape,
                               const auto& world, auto queries) {
@@ -180,6 +228,67 @@ void AddCalls(Contest& contest, Scene& scene, Target target) {
   };
   add_pairs("AABO uint8 refined, pairs", scene.quantized);
   add_pairs("AABO floats, pairs", scene.objects);
+}
+
+// Minima of bytes: of quantized simplices, and by hand of random levels.
+void AddLevels(Contest& contest, Scene& scene, Target target) {
+  const std::size_t objects = scene.objects.size();
+  const std::size_t words = MaskWords(objects);
+  const std::size_t queries = scene.queries.size() / 4 * 4;
+  const auto add = [&](const char* name, auto call, auto check) {
+    Case c = CaseOfObjects(queries * objects, std::move(call));
+    c.check = CheckOf(1, "an object that touches is not in the mask", check);
+    contest.Add({name, "scene", NameOf(target), objects, queries},
+                std::move(c));
+  };
+  const auto bounds =
+      std::make_shared<QuantizedBounds<SimplexView3>>(scene.simplices);
+  const auto call = [&scene, bounds, queries, words, target] {
+    SurvivorMasks(*bounds, scene.queries.simplices().first(queries),
+                  std::span(scene.masks).first(queries * words),
+                  {.target = target});
+  };
+  add("simplex uint8, masks of many", call, [&scene, call, words](auto) {
+    call();
+    std::vector<std::uint64_t> mask(words);
+    SurvivorMask(scene.simplices, scene.queries.simplices()[0], mask);
+    return std::equal(
+        mask.begin(), mask.end(), scene.masks.begin(),
+        [](std::uint64_t a, std::uint64_t b) { return (a & ~b) == 0; });
+  });
+  const LevelsByHand loop = LevelsByHandOf(target.name());
+  if (loop == nullptr) return;
+  std::mt19937 random(1);
+  std::array<std::vector<std::int8_t>, 4> planes;
+  for (std::vector<std::int8_t>& plane : planes) {
+    plane.resize(objects);
+    for (std::int8_t& level : plane) level = static_cast<std::int8_t>(random());
+  }
+  std::vector<std::int8_t> values(queries * planes.size());
+  for (std::int8_t& value : values) value = static_cast<std::int8_t>(random());
+  const auto by_hand = [&scene, loop, planes, values, objects, words] {
+    constexpr std::size_t kTile = 4096;
+    for (std::size_t i = 0; i < objects; i += kTile) {
+      std::array<const std::int8_t*, planes.size()> tile;
+      for (std::size_t p = 0; p < tile.size(); ++p) tile[p] = &planes[p][i];
+      for (std::size_t q = 0; q < values.size() / tile.size(); q += 4) {
+        loop(tile.data(), std::min(kTile, objects - i),
+             &values[q * tile.size()], &scene.masks[q * words + i / 64], words);
+      }
+    }
+  };
+  add("simplex uint8 by hand, masks of many", by_hand,
+      [&scene, by_hand, planes, values](auto) {
+        by_hand();
+        for (std::size_t i = 0; i < 64; ++i) {
+          bool is_kept = true;
+          for (std::size_t p = 0; p < planes.size(); ++p) {
+            is_kept &= planes[p][i] >= values[p];
+          }
+          if (is_kept != ((scene.masks[0] >> i & 1) != 0)) return false;
+        }
+        return true;
+      });
 }
 
 }  // namespace
@@ -256,12 +365,14 @@ Tables RunThroughput(Run& run) {
               {Key("what"), Key("set"), Key("target"), Key("objects"),
                Key("queries"), Lower("ns/pair", "", 4)}};
   constexpr std::size_t kQueries = 100;
-  // Floats, quantized bounds with their records, and a bit for each query.
-  constexpr std::size_t kBytes = 32 + 8 + 32 + kQueries / 8 + 1;
+  // Floats, quantized bounds with their records, levels, and a bit for each
+  // query.
+  constexpr std::size_t kBytes = 32 + 8 + 32 + 8 + kQueries / 8 + 1;
   std::size_t objects = run.MostObjects(10'000'000, /*of_quick=*/1'000'000);
   if (const std::size_t available = FreeMemory(); available != 0) {
     objects = std::min(objects, available / 4 / kBytes);
   }
+  objects = objects / 64 * 64;  // as loops by hand need
   Workload made = MakeScene(objects, kQueries, run.options.seed);
   Scene scene{std::move(made.objects), ShapeQueries(made.queries)};
   const std::vector<std::size_t> counts = scene.CountsOf(ShapeKind::kAabo);
@@ -270,6 +381,7 @@ Tables RunThroughput(Run& run) {
   scene.of_queries.resize(scene.ids.size());
   Contest contest(run, "throughput");
   AddCalls(contest, scene, run.best());
+  AddLevels(contest, scene, run.best());
   run.progress.BeginPart(0, 1);
   contest.Time(run.AtMostRepetitions(5));
   contest.AddTo(table);

@@ -83,7 +83,7 @@ void ForEachSurvivor(Scan&& scan, SomeFunction function, void* context,
   dispatch::Prepare(scan, options, "ForEachSurvivor", [](std::size_t) {
     return Output{"indices", nullptr, 0, 0, sizeof(std::uint32_t), true};
   });
-  std::array<std::uint32_t, 160> some;  // a call takes at most 8 KiB of stack
+  std::array<std::uint32_t, 32> some;  // a call takes at most 8 KiB of stack
   std::size_t count = 0;
   bool goes_on = true;
   const auto pass = [&] {

@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "hwy/highway.h"
 #include "kernels/scan/kernel_table.h"
@@ -21,32 +22,99 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// 4096 objects: one word has a bit for each of their words, and what a stage
-// keeps for the next one stays in L1.
-inline constexpr size_t kTileWords = 64;
-
-#if HWY_HAVE_SCALABLE
-// A group must hold a whole vector, whose length is not known here.
-inline constexpr size_t kGroupObjects = kWordObjects;
-#else
-inline constexpr size_t kGroupObjects = 16;
-#endif
-inline constexpr size_t kWordGroups = kWordObjects / kGroupObjects;
-
-// How many of some groups, or words, have a survivor.
+// How many of the groups of a tile, or of its words, have a survivor.
 struct Left {
   size_t some;
   size_t all;
 
   // Whether it is faster to test all objects on the next planes than to visit
-  // the groups. Measured on a box: at 3 % of the world's side the second axis
-  // finds 63 % of the groups and the third 6 %, at 10 % 96 % and 48 %.
-  bool IsMany() const { return 8 * some > 3 * all; }
-
-  // Whether the next axis is expected to leave many, too: objects of about 7 %
-  // of the world's side and more.
+  // the groups.
   bool IsAlmostAll() const { return 8 * some > 7 * all; }
 };
+
+// Planes that are tested together, from their first objects on: kMins minima,
+// then maxima. And the values that they are compared with.
+template <size_t kMins, size_t kPlanes, typename T>
+struct PlaneGroup {
+  const T* planes[kPlanes];
+  T values[kPlanes];
+
+  // Calls test(planes, a vector of each value).
+  template <class D, class Test>
+  HWY_INLINE void With(D d, const Test& test) const {
+    [&]<size_t... kPlane>(std::index_sequence<kPlane...>) HWY_ATTR {
+      const T* copies[] = {planes[kPlane]...};
+      test(copies, hn::Set(d, values[kPlane])...);
+    }
+    (std::make_index_sequence<kPlanes>());
+  }
+};
+
+// The group of kAxes axes from `axis` on, from object `first` on. Packs instead
+// of loops: gcc would load the pointers as a vector, which waits for the stores
+// of the caller's view.
+template <size_t kAxes, typename T>
+HWY_INLINE PlaneGroup<kAxes, 2 * kAxes, T> AxesFrom(const detail::Scan& scan,
+                                                    const T* values,
+                                                    size_t axis, size_t first) {
+  const size_t axes = scan.type->axes;
+  const T* const max_values = values + scan.type->first_max;
+  return [&]<size_t... kAxis>(std::index_sequence<kAxis...>) {
+    return PlaneGroup<kAxes, 2 * kAxes, T>{
+        {scan.Plane<T>(axis + kAxis) + first...,
+         scan.Plane<T>(axes + axis + kAxis) + first...},
+        {max_values[axis + kAxis]..., values[axis + kAxis]...}};
+  }
+  (std::make_index_sequence<kAxes>());
+}
+
+// The group of all maxima.
+template <size_t kAxes, typename T>
+HWY_INLINE PlaneGroup<0, kAxes, T> MaximaFrom(const detail::Scan& scan,
+                                              const T* values, size_t first) {
+  return [&]<size_t... kAxis>(std::index_sequence<kAxis...>) {
+    return PlaneGroup<0, kAxes, T>{{scan.Plane<T>(kAxes + kAxis) + first...},
+                                   {values[kAxis]...}};
+  }
+  (std::make_index_sequence<kAxes>());
+}
+
+// Tests all objects of some words. The words of the first planes of a scan are
+// written, those of later planes are ANDed to them. Not inlined: inside the
+// caller, gcc 12 reloads the row's address from the stack for each word.
+template <Pack kPack, class D, class Load, size_t kMins, size_t kPlanes,
+          typename T>
+HWY_NOINLINE void TestAll(D d, Load load,
+                          const PlaneGroup<kMins, kPlanes, T>& group,
+                          bool is_first, size_t words, uint64_t* row) {
+  group.With(d, [&](const T* const* planes, auto... values) HWY_ATTR {
+    const auto kept = [&](size_t w) HWY_ATTR {
+      return KeptBits<kMins, kWordObjects, kPack>(d, load, planes,
+                                                  w * kWordObjects, values...);
+    };
+    if (is_first) {
+      for (size_t w = 0; w < words; ++w) row[w] = kept(w);
+    } else {
+      for (size_t w = 0; w < words; ++w) row[w] &= kept(w);
+    }
+  });
+}
+
+// The same for those groups of a tile that have a survivor. Returns how many of
+// them are left.
+template <class D, class Load, size_t kMins, size_t kPlanes, typename T>
+HWY_INLINE size_t TestGroups(D d, Load load,
+                             const PlaneGroup<kMins, kPlanes, T>& group,
+                             Groups<kGroupObjects>& groups, bool is_last,
+                             uint64_t* row) {
+  size_t left = 0;
+  group.With(d, [&](const T* const* planes, auto... values) HWY_ATTR {
+    left = groups.Visit(row, is_last, [&](size_t i) HWY_ATTR {
+      return KeptBits<kMins, kGroupObjects>(d, load, planes, i, values...);
+    });
+  });
+  return left;
+}
 
 // Tests the planes of axes `axis`, `axis` + 1, ... for each bit of the words,
 // all of them without a branch. In plain code this takes 0.5 to 0.9 of the time
@@ -72,108 +140,55 @@ HWY_INLINE void TestBits(const detail::Scan& scan, const T* values, size_t axis,
   }
 }
 
-// Tests the planes of the first kFirst axes for all objects of a tile, then
-// those of one axis after the other, for the groups that still have a survivor.
-// If many groups are left, it tests all of them, and two axes at once if almost
-// all are. Returns how many groups had a survivor after the first axes. In
-// plain code it calls TestBits() and returns nothing.
-//
-// The groups are found by vectors and visited by their bits, because which
-// groups survive cannot be predicted: a branch for each took three times as
-// long as a flat scan. Groups of 16 took up to 0.85 of the time of groups of
-// 64, and bits 0.6 of that of a list (a box in L2 on Zen 3).
-template <size_t kFirst, class D, typename T>
-HWY_INLINE Left TileByAxis(const detail::Scan& scan, const T* values,
-                           size_t first, size_t words,
-                           uint64_t* HWY_RESTRICT row) {
-  const D d;
+// Tests all objects of a tile of one query on the first kFirst axes, and finds
+// the groups that have a survivor.
+template <size_t kFirst, typename T>
+HWY_INLINE Left TestFirst(const detail::Scan& scan, const detail::Chunk& tile,
+                          Groups<kGroupObjects>& groups) {
+  const size_t words = (tile.end - tile.begin) / kWordObjects;
+  TestAll<kInCachePack>(
+      WordTag<T>(), LoadAll(),
+      AxesFrom<kFirst>(scan, static_cast<const T*>(tile.queries), 0,
+                       tile.begin),
+      true, words, tile.rows);
+  return {groups.Find(tile.rows, words), words * kWordGroups};
+}
+
+// Tests a tile of one query on the first kFirst axes, then on one axis after
+// the other, for the groups that still have a survivor. If almost all groups
+// are left, it tests all objects, on two axes at once. Returns how many groups
+// had a survivor after the first axes. In plain code it calls TestBits().
+template <size_t kFirst, typename T>
+HWY_NOINLINE Left TileByAxis(const detail::Scan& scan,
+                             const detail::Chunk& tile) {
+  const WordTag<T> d;
   const size_t axes = scan.type->axes;
-  const T* max_values = values + scan.type->first_max;
-  const auto min_plane = [&](size_t k) { return scan.Plane<T>(k) + first; };
-  const auto max_plane = [&](size_t k) {
-    return scan.Plane<T>(axes + k) + first;
-  };
-  // Calls take(w, kept bits) for each word, of one axis or of two.
-  const auto test_axis = [&](size_t k, const auto& take) HWY_ATTR {
-    const T* planes[] = {min_plane(k), max_plane(k)};
-    const auto max = hn::Set(d, max_values[k]);
-    const auto min = hn::Set(d, values[k]);
-    for (size_t w = 0; w < words; ++w) {
-      take(w, KeptBits<1>(d, LoadAll(), planes, w * kWordObjects, max, min));
-    }
-  };
-  const auto test_two_axes = [&](size_t k, const auto& take) HWY_ATTR {
-    const T* planes[] = {min_plane(k), min_plane(k + 1), max_plane(k),
-                         max_plane(k + 1)};
-    const auto max0 = hn::Set(d, max_values[k]);
-    const auto max1 = hn::Set(d, max_values[k + 1]);
-    const auto min0 = hn::Set(d, values[k]);
-    const auto min1 = hn::Set(d, values[k + 1]);
-    for (size_t w = 0; w < words; ++w) {
-      take(w, KeptBits<2>(d, LoadAll(), planes, w * kWordObjects, max0, max1,
-                          min0, min1));
-    }
-  };
-  const auto write = [row](size_t w, uint64_t kept) { row[w] = kept; };
-  const auto add = [row](size_t w, uint64_t kept) { row[w] &= kept; };
-  static_assert(kFirst == 1 || kFirst == 2);
-  if constexpr (kFirst == 1) {
-    test_axis(0, write);
-  } else {
-    test_two_axes(0, write);
-  }
+  const T* const values = static_cast<const T*>(tile.queries);
+  const size_t words = (tile.end - tile.begin) / kWordObjects;
+  Groups<kGroupObjects> groups;
+  const Left after_first = TestFirst<kFirst, T>(scan, tile, groups);
   if constexpr (!kHasVectors) {
-    TestBits(scan, values, kFirst, first, words, row);
-    return Left{};
+    TestBits(scan, values, kFirst, tile.begin, words, tile.rows);
+    return after_first;
   }
-  uint64_t groups[kTileWords * kWordGroups / 64] = {};
-  const Left after_first{NonzeroGroups<kGroupObjects>(row, words, groups),
-                         words * kWordGroups};
   Left left = after_first;
   for (size_t k = kFirst; k < axes; ++k) {
-    if (k + 1 < axes && left.IsAlmostAll()) {
-      test_two_axes(k++, add);
-    } else if (left.IsMany()) {
-      test_axis(k, add);
-    } else {
-      const T* planes[] = {min_plane(k), max_plane(k)};
-      const auto max = hn::Set(d, max_values[k]);
-      const auto min = hn::Set(d, values[k]);
-      VisitGroups<kGroupObjects>(groups, words, row, [&](size_t i) HWY_ATTR {
-        return KeptBits<1, kGroupObjects>(d, LoadAll(), planes, i, max, min);
-      });
+    const auto axis = AxesFrom<1>(scan, values, k, tile.begin);
+    if (!left.IsAlmostAll()) {
+      left.some =
+          TestGroups(d, LoadAll(), axis, groups, k + 1 == axes, tile.rows);
+      continue;
     }
     if (k + 1 < axes) {
-      left.some = NonzeroGroups<kGroupObjects>(row, words, groups);
+      TestAll<kInCachePack>(d, LoadAll(),
+                            AxesFrom<2>(scan, values, k++, tile.begin), false,
+                            words, tile.rows);
+    } else {
+      TestAll<kInCachePack>(d, LoadAll(), axis, false, words, tile.rows);
     }
+    if (k + 1 < axes) left.some = groups.Find(tile.rows, words);
   }
   return after_first;
-}
-
-// The same for whole words of one query. Not inlined: two kernels call it.
-template <size_t kFirst, class D>
-HWY_NOINLINE Left TilesByAxis(const detail::Scan& scan,
-                              const detail::Chunk& chunk) {
-  using T = hn::TFromD<D>;
-  const size_t words = (chunk.end - chunk.begin) / kWordObjects;
-  Left left{};
-  for (size_t begin = 0; begin < words; begin += kTileWords) {
-    const Left tile = TileByAxis<kFirst, D>(
-        scan, static_cast<const T*>(chunk.queries),
-        chunk.begin + begin * kWordObjects, HWY_MIN(kTileWords, words - begin),
-        chunk.rows + begin);
-    left.some += tile.some;
-    left.all += tile.all;
-  }
-  return left;
-}
-
-template <size_t kFirst, typename T>
-HWY_INLINE Left RangeByAxis(const detail::Scan& scan,
-                            const detail::Chunk& chunk) {
-  return WithVectors<T>(scan, [&](auto d) HWY_ATTR {
-    return TilesByAxis<kFirst, decltype(d)>(scan, chunk);
-  });
 }
 
 }  // namespace HWY_NAMESPACE

@@ -23,8 +23,6 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-inline constexpr size_t kMostFewWords = 64;
-
 // The objects that the second stage tests together: a vector or two.
 #if HWY_HAVE_SCALABLE
 template <class D>
@@ -55,9 +53,9 @@ HWY_NOINLINE void TwoStages(std::index_sequence<kFirst...>,
                               hn::Set(d, query.max[kFirst])...,
                               hn::Set(d, query.min[kFirst])...);
   }
-  uint64_t groups[kMostFewWords / kGroup];
-  NonzeroGroups<kGroup>(row, words, groups);
-  VisitGroups<kGroup>(groups, words, row, [&](size_t i) HWY_ATTR {
+  Groups<kGroup> groups;
+  groups.Find(row, words);
+  groups.Visit(row, true, [&](size_t i) HWY_ATTR {
     return KeptBits<sizeof...(kLast), kGroup>(
         d, LoadAll(), last, i, hn::Set(d, query.max[kAfter + kLast])...,
         hn::Set(d, query.min[kAfter + kLast])...);
@@ -119,7 +117,7 @@ HWY_NOINLINE void FewMask(const void* pointers, size_t first, size_t count,
   using T = hn::TFromD<D>;
   if constexpr (kHasVectors && std::is_same_v<T, float>) {
     constexpr size_t kFewest = HWY_MIN(size_t{9}, hn::MaxLanes(D()));
-    if (count / kWordObjects - kFewest <= kMostFewWords - kFewest) {
+    if (count / kWordObjects - kFewest <= kTileWords - kFewest) {
       SampledMask<kAxes, D>(static_cast<const T* const*>(pointers), first,
                             count, static_cast<const T*>(values), row);
       return;

@@ -1,7 +1,7 @@
 // Every pair of special values (object, query) in every plane and every lane,
-// also with subnormals flushed. And each function of kernels.h, and so of
-// c/kernels.h, is that of its bound: the other tests call them by the tables of
-// KernelsOf().
+// of one query and of several, also with subnormals flushed. And each function
+// of kernels.h, and so of c/kernels.h, is that of its bound: the other tests
+// call them by the tables of KernelsOf().
 #include "halfspace/kernels.h"
 
 #include <gtest/gtest.h>
@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <random>
+#include <span>
 #include <vector>
 
 #include "tests/library/support/answers.h"
@@ -34,6 +35,9 @@ TEST_P(SpecialValuesTest, AreComparedInEveryLane) {
   // Each value is in each lane at full scale.
   const std::size_t step = TestScale() < 1 ? 7 : 1;
   std::vector<std::uint64_t> flushed(MaskWords(objects));
+  // Some share each load, and the last one is by itself.
+  constexpr std::size_t kQueries = 5;
+  std::vector<std::uint64_t> rows(kQueries * flushed.size());
   bool is_flushed = false;
   bool kept_more = false;
   kind.WithScalar([&]<typename T>(T) {
@@ -51,9 +55,13 @@ TEST_P(SpecialValuesTest, AreComparedInEveryLane) {
     }
     for (std::size_t n = 0; n < kind.layout.plane_count * kValues; ++n) {
       const std::size_t p = n / kValues;
-      std::array<T, 10> values{};
-      values[kind.Opposing(p)] = kSpecialValues<T>[n % kValues];
+      std::array<T, 10 * kQueries> values{};
+      for (std::size_t q = 0; q < kQueries; ++q) {
+        values[q * kind.query_bytes() / sizeof(T) + kind.Opposing(p)] =
+            kSpecialValues<T>[n % kValues];
+      }
       const AnyQueries query(values.data(), 1);
+      const AnyQueries queries(values.data(), kQueries);
       PlanePointers its_pointers = pointers;
       for (std::size_t shift = 0; shift < kValues; shift += step) {
         its_pointers[p] = &special[shift];
@@ -62,12 +70,21 @@ TEST_P(SpecialValuesTest, AreComparedInEveryLane) {
         ASSERT_TRUE(AnswersEverywhere(answers, world, query, targets));
         for (Target target : targets) {
           for (Schedule schedule : kSchedules) {
+            const Options options{.schedule = schedule, .target = target};
+            const auto expect_rows = [&](std::span<const std::uint64_t> row) {
+              detail::RejectMasks(world.Asked(queries), rows, options, 0);
+              for (std::size_t w = 0; w < rows.size(); ++w) {
+                ASSERT_EQ(rows[w], row[w % row.size()]) << target.name();
+              }
+            };
+            expect_rows(answers.rejected());
             {
               const FlushDenormals flush;
               is_flushed |= FlushDenormals::IsOn();
-              detail::RejectMask(world.Asked(query), flushed,
-                                 {.schedule = schedule, .target = target});
+              detail::RejectMask(world.Asked(query), flushed, options);
+              expect_rows(flushed);
             }
+            if (HasFatalFailure()) return;
             for (std::size_t w = 0; w < flushed.size(); ++w) {
               ASSERT_EQ(flushed[w] & answers.survived()[w], 0u)
                   << target.name();
