@@ -38,7 +38,8 @@ def drawn():
     tables = {table["name"]: table for table in json.loads(RUN.read_text())["tables"]}
     for name, (title, table, changes) in CHARTS.items():
         table = tables[table]
-        svg = report.chart_html({**table, "title": title, "chart": {**table["chart"], **changes}})
+        svg = report.chart_html(
+            {**table, "title": title, "chart": {**table["chart"], **changes}}, width=400)
         svg = re.sub(r"var\(--(\w+)\)", lambda m: COLOURS[m[1]], svg)
         svg = svg.replace("<svg ", '<svg xmlns="http://www.w3.org/2000/svg" font-family="sans-serif" '
                           'font-size="12" ', 1).replace(">", f">\n{STYLE}\n", 1)
