@@ -67,7 +67,7 @@ for argument in "$@"; do
 done
 
 if [ "$is_full" ]; then
-  prepare_machine "${page_test_packages[@]}" "${example_packages[@]}" doxygen
+  prepare_machine "${page_test_packages[@]}" "${example_packages[@]}" doxygen qemu-user
 else
   prepare_machine
 fi

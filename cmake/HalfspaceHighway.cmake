@@ -112,8 +112,10 @@ function(halfspace_use_highway target)
     target_compile_definitions(${target} PRIVATE HWY_COMPILE_ALL_ATTAINABLE
       "HWY_DISABLED_TARGETS=(${HALFSPACE_DISABLED_TARGETS})")
   endif()
-  # Highway's assertions, in debug builds, are functions of its library.
-  target_compile_definitions(${target} PRIVATE HWY_IS_DEBUG_BUILD=0)
+  # Highway's assertions, in debug builds, are functions of its library. And on x86 its SSE4
+  # and AVX2 need AES and PCLMULQDQ, which no kernel uses and virtual machines may mask.
+  target_compile_definitions(${target} PRIVATE
+    HWY_IS_DEBUG_BUILD=0 HWY_DISABLE_PCLMUL_AES)
   target_include_directories(${target} SYSTEM
                              PRIVATE "${HALFSPACE_HIGHWAY_INCLUDE}")
 endfunction()

@@ -113,7 +113,7 @@ foreach(axes IN LISTS all_axes)
     set(inl kernels/bvh/walk-inl.h)
     set(kernels BvhKernels)
     set(table BvhKernelsOf)
-    halfspace_add_table("sorted_${axes}" ${axes} "MakeBvhKernels<${axes}>()"
+    halfspace_add_table("bvh_walk_${axes}" ${axes} "MakeBvhKernels<${axes}>()"
       ${scalar_copies})
     set(header halfspace/detail/bvh.h)
     set(inl kernels/bvh/pairs-inl.h)

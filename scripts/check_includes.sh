@@ -4,11 +4,13 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-# A folder, and what its files may include by a path in quotes.
+# A folder, and what its files may include by a path in quotes. `dispatch/exact` names the
+# errors of `dispatch/errors`.
 rules='
 include    halfspace/|hwy/
 kernels    halfspace/|hwy/|kernels/
 dispatch   halfspace/|hwy/|kernels/|dispatch/
+dispatch/errors  halfspace/|kernels/|dispatch/errors/|dispatch/default_fp_mode\.h
 c          halfspace/|c/
 python     halfspace/|[a-z_]+\.h
 examples   halfspace/|hwy/|(engines/)?[a-z_]+\.h

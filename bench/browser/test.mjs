@@ -26,7 +26,7 @@ for (const name of ['scalar', 'WASM, 4']) {
   assert.match(report, new RegExp(`\n {2}${name} .*\n`));
   assert.match(report, new RegExp(`<th class="n">${name} `));
 }
-assert.match(report, /With an exact test of \d/);
+assert.match(report, /costs an exact test of \d/);
 const count = (what) => report.split(what).length - 1;
 assert.equal(count('<tr>'), 1 + 7);
 assert.equal(count('<td'), 3 * 7);

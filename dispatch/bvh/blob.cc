@@ -10,7 +10,7 @@
 #include "dispatch/bvh/tree.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
-#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/default_fp_mode.h"
 #include "halfspace/bvh.h"
 
 namespace halfspace::detail {

@@ -15,7 +15,7 @@
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/errors/number_checks.h"
-#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/default_fp_mode.h"
 #include "halfspace/bvh.h"
 #include "halfspace/mask.h"
 #include "kernels/compiler.h"

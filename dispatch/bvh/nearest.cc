@@ -14,7 +14,7 @@
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/errors/number_checks.h"
-#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/bvh.h"
 #include "halfspace/bvh_nearest.h"

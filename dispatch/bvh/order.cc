@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/default_fp_mode.h"
 #include "kernels/bvh/block.h"
 
 namespace halfspace::dispatch {

@@ -17,7 +17,7 @@
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/errors/number_checks.h"
-#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/detail/plane_arrays.h"
 #include "kernels/compiler.h"

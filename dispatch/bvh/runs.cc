@@ -8,7 +8,7 @@
 #include "dispatch/bvh/order.h"
 #include "dispatch/bvh/scratch.h"
 #include "dispatch/bvh/tree.h"
-#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/default_fp_mode.h"
 
 namespace halfspace::detail {
 namespace {

@@ -11,7 +11,7 @@
 #include "dispatch/bvh/layout.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
-#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/exact/exact_bound.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/bvh.h"

@@ -12,7 +12,7 @@
 #include "dispatch/bvh/scratch.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/number_checks.h"
-#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/default_fp_mode.h"
 #include "halfspace/bvh.h"
 
 namespace halfspace::detail {

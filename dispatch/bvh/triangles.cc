@@ -9,7 +9,7 @@
 #include <numeric>
 #include <span>
 
-#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/exact/outward.h"
 #include "halfspace/shapes.h"
 

@@ -10,7 +10,7 @@
 #include <limits>
 #include <string>
 
-#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/default_fp_mode.h"
 #include "halfspace/error.h"
 
 namespace halfspace {

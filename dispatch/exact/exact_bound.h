@@ -16,7 +16,7 @@
 
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/number_checks.h"
-#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/exact/outward.h"
 #include "halfspace/bounds.h"
 #include "halfspace/fit_status.h"

@@ -10,7 +10,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/exact/outward.h"
 #include "kernels/compiler.h"
 

@@ -8,7 +8,7 @@
 
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
-#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/targets/chosen_target.h"
 #include "kernels/fit_many/kernel_table.h"
 

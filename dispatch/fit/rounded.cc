@@ -1,7 +1,7 @@
 // Records as rows of floats, and doubles rounded outward.
 #include <cstddef>
 
-#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/exact/outward.h"
 #include "halfspace/detail/plane_arrays.h"
 

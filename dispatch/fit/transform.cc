@@ -9,7 +9,7 @@
 #include <type_traits>
 
 #include "dispatch/errors/error.h"
-#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/exact/exact_bound.h"
 #include "dispatch/exact/outward.h"
 #include "halfspace/detail/plane_arrays.h"

@@ -8,7 +8,7 @@
 
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
-#include "dispatch/exact/default_fp_mode.h"
+#include "dispatch/default_fp_mode.h"
 #include "kernels/compiler.h"
 #include "kernels/scan/half_spaces.h"
 

@@ -4,9 +4,11 @@
 // The conditions are those of Highway's SupportedTargets(). Where its releases
 // differ, the strictest one counts. (1.0.3 does not ask for AVX512CD, GFNI and
 // SVE2_128's I8MM and BF16, and trusts an operating system without XSAVE.) SSE4
-// needs POPCNT, too: compilers use it where a target has SSE4.2. The conditions
-// are separate from the queries of the machine, so that a test can describe
-// other machines.
+// needs POPCNT, too: compilers use it where a target has SSE4.2. It needs
+// neither AES nor PCLMULQDQ, which no kernel uses: kernels are compiled with
+// HWY_DISABLE_PCLMUL_AES, as virtual machines and a few CPUs with AVX2 lack
+// them. The conditions are separate from the queries of the machine, so that a
+// test can describe other machines.
 #ifndef HALFSPACE_DISPATCH_TARGETS_DETECT_TARGETS_H_
 #define HALFSPACE_DISPATCH_TARGETS_DETECT_TARGETS_H_
 
@@ -61,8 +63,8 @@ constexpr std::int64_t TargetsOf(const X86Machine& machine) {
   // SSE3, SSSE3
   if (!HasBits(machine.leaf1_ecx, {0, 9})) return targets;
   targets |= HWY_SSSE3;
-  // PCLMULQDQ, SSE4.1, SSE4.2, POPCNT, AES
-  if (!HasBits(machine.leaf1_ecx, {1, 19, 20, 23, 25})) return targets;
+  // SSE4.1, SSE4.2, POPCNT
+  if (!HasBits(machine.leaf1_ecx, {19, 20, 23})) return targets;
   targets |= HWY_SSE4;
   // FMA, XSAVE, OSXSAVE, AVX, F16C; BMI, AVX2, BMI2; LZCNT; XMM, YMM
   if (!HasBits(machine.leaf1_ecx, {12, 26, 27, 28, 29}) ||

@@ -16,7 +16,9 @@
 //   HWY_AFTER_NAMESPACE();
 //
 // The program needs Highway's headers, and for HWY_DYNAMIC_DISPATCH its
-// library. docs/kernels.md has a whole program.
+// library. Highway runs SSE4 and AVX2 only on CPUs with AES and PCLMULQDQ,
+// unless both are compiled with HWY_DISABLE_PCLMUL_AES. docs/kernels.md has a
+// whole program.
 //
 //   SurvivorsOf64Boxes<d>(planes, i, query)      objects i ... i + 63
 //   SurvivorsOfFewBoxes<d>(planes, i, n, query)  objects i ... i + n - 1,

@@ -36,7 +36,7 @@
 // neither planes nor queries. A library that was built without NDEBUG asserts
 // the first two. reject.h has the same calls with checks, options and worlds.
 //
-// Cost: a call is three jumps more than its loop. Objects are tested as by
+// Cost: two jumps through pointers, and the loop. Objects are tested as by
 // Schedule::kAuto (reject.h). Several queries share the loads of planes.
 // `./bench.sh --details tier` compares the calls with loops by hand.
 //

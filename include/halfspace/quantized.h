@@ -345,7 +345,7 @@ class QuantizedWorld {
   }
 
   QuantizedBounds<FloatView, ElementType> quantized_;
-  detail::Records<Bound> records_;
+  detail::BoundArray<Bound> records_;
   std::size_t trained_ = 0;      // objects at the last training
   std::size_t pushes_left_ = 0;  // until TrainIfDue checks again
 };

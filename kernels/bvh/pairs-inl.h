@@ -202,9 +202,7 @@ class PairWalker
     for (size_t p = 0; p < kPlanes; ++p) {
       auto least = hn::Set(d, kInf);
       for (size_t i = 0; i < detail::kBlockObjects; i += hn::Lanes(d)) {
-        const uint64_t some = members >> i;
-        const auto is_member =
-            hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&some));
+        const auto is_member = MaskOfBits(d, members >> i);
         auto v = hn::LoadU(d, join_.queries->level[0].Plane(block, p) + i);
         if (p >= kAxes) v = hn::Neg(v);
         v = hn::IfThenElse(hn::Eq(v, v), v, hn::Set(d, -kInf));

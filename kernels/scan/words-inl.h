@@ -75,6 +75,7 @@ template <size_t kGroup>
 HWY_INLINE GroupBits<kGroup> AndGroup(uint64_t* row, size_t group,
                                       uint64_t bits) {
   GroupBits<kGroup> left;
+  if constexpr (!kIsLittleEndian) group ^= kWordObjects / kGroup - 1;
   char* const at = reinterpret_cast<char*>(row) + group * sizeof(left);
   std::memcpy(&left, at, sizeof(left));
   left &= static_cast<GroupBits<kGroup>>(bits);
@@ -188,7 +189,7 @@ HWY_INLINE size_t Groups<kGroup>::Find(const uint64_t* row, size_t words) {
       const hn::CappedTag<uint64_t, 4> d;
       const hn::Repartition<GroupBits<kGroup>, decltype(d)> of_group;
       const size_t lanes = hn::Lanes(d);
-      for (; w + lanes <= left; w += lanes) {
+      for (; kIsLittleEndian && w + lanes <= left; w += lanes) {
         const auto vector =
             hn::BitCast(of_group, hn::LoadU(d, row + begin + w));
         bits |= LaneBits(of_group, hn::Ne(vector, hn::Zero(of_group)))

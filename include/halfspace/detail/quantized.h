@@ -212,24 +212,24 @@ void EncodeQueries(const Scan& scan, std::size_t first, std::size_t count,
 // <vector> adds 7000 lines in C++20. The owner checks indices, and reserves
 // memory before it pushes.
 template <typename Bound>
-class Records {
+class BoundArray {
   static_assert(std::is_trivially_copyable_v<Bound>);
 
  public:
-  explicit Records(const MemoryResource& memory) : memory_(memory) {}
-  Records(const Records& other, const MemoryResource& memory)
-      : Records(memory) {
+  explicit BoundArray(const MemoryResource& memory) : memory_(memory) {}
+  BoundArray(const BoundArray& other, const MemoryResource& memory)
+      : BoundArray(memory) {
     Reserve(other.size_);
     for (; size_ < other.size_; ++size_) data_[size_] = other.data_[size_];
   }
-  Records(Records&& other) noexcept : Records(other.memory_) {
+  BoundArray(BoundArray&& other) noexcept : BoundArray(other.memory_) {
     swap(*this, other);
   }
-  Records& operator=(Records&&) = delete;
-  ~Records() {
+  BoundArray& operator=(BoundArray&&) = delete;
+  ~BoundArray() {
     if (data_ != nullptr) FreeBlock(memory_, data_, capacity_ * sizeof(Bound));
   }
-  friend void swap(Records& a, Records& b) noexcept {
+  friend void swap(BoundArray& a, BoundArray& b) noexcept {
     std::swap(a.memory_, b.memory_);
     std::swap(a.data_, b.data_);
     std::swap(a.size_, b.size_);
@@ -247,7 +247,7 @@ class Records {
     constexpr std::size_t kMost = static_cast<std::size_t>(-1) / sizeof(Bound);
     // If the size does not fit the address space, the allocation fails.
     const std::size_t bytes = (count < kMost ? count : kMost) * sizeof(Bound);
-    Records more(memory_);
+    BoundArray more(memory_);
     more.data_ = static_cast<Bound*>(AllocateBlock(memory_, bytes));
     more.capacity_ = count;
     for (; more.size_ < size_; ++more.size_) {

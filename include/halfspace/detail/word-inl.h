@@ -68,6 +68,36 @@ struct LaneBitsType<2> {
   using type = uint8_t;
 };
 
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+inline constexpr bool kIsLittleEndian = false;
+#else
+inline constexpr bool kIsLittleEndian = true;
+#endif
+
+// Between a word and the bytes of a mask: Highway keeps lane 0 in the lowest
+// bit of the first byte, on a big-endian machine, too.
+template <typename T>
+HWY_INLINE T WordOfBytes(const uint8_t* bytes) {
+  T word = 0;
+  if constexpr (kIsLittleEndian) {
+    std::memcpy(&word, bytes, sizeof(word));
+  } else {
+    for (size_t b = sizeof(word); b-- > 0;) {
+      word = static_cast<T>(word << 7 << 1 | bytes[b]);
+    }
+  }
+  return word;
+}
+template <class D>
+HWY_INLINE hn::Mask<D> MaskOfBits(D d, uint64_t bits) {
+  if constexpr (!kIsLittleEndian) {
+    uint8_t bytes[sizeof(bits)];
+    std::memcpy(bytes, &bits, sizeof(bits));
+    bits = WordOfBytes<uint64_t>(bytes);
+  }
+  return hn::LoadMaskBits(d, reinterpret_cast<const uint8_t*>(&bits));
+}
+
 // Bit l of the result = lane l of the mask; zero above the lanes.
 //
 // StoreMaskBits may write 8 bytes, of which only those of the lanes count. Read
@@ -81,14 +111,13 @@ HWY_INLINE uint64_t LaneBits(D d, hn::Mask<D> mask) {
 #else
 #if HWY_HAVE_SCALABLE
   uint8_t bytes[8] = {};
-  uint64_t bits;
+  using Bits = uint64_t;
 #else
   uint8_t bytes[8];
-  typename LaneBitsType<hn::MaxLanes(D())>::type bits;
+  using Bits = typename LaneBitsType<hn::MaxLanes(D())>::type;
 #endif
   hn::StoreMaskBits(d, mask, bytes);
-  std::memcpy(&bits, bytes, sizeof(bits));
-  return bits;
+  return WordOfBytes<Bits>(bytes);
 #endif
 }
 

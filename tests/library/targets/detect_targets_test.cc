@@ -71,17 +71,15 @@ struct X86Need {
   std::size_t left;
 };
 
-// By the manuals of Intel and AMD.
+// By the manuals of Intel and AMD. AES and PCLMULQDQ take nothing away.
 constexpr X86Need kX86Needs[] = {
     {&X86Machine::leaf1_edx, 25, 0},     // SSE
     {&X86Machine::leaf1_edx, 26, 0},     // SSE2
     {&X86Machine::leaf1_ecx, 0, 1},      // SSE3
     {&X86Machine::leaf1_ecx, 9, 1},      // SSSE3
-    {&X86Machine::leaf1_ecx, 1, 2},      // PCLMULQDQ
     {&X86Machine::leaf1_ecx, 19, 2},     // SSE4.1
     {&X86Machine::leaf1_ecx, 20, 2},     // SSE4.2
     {&X86Machine::leaf1_ecx, 23, 2},     // POPCNT
-    {&X86Machine::leaf1_ecx, 25, 2},     // AES
     {&X86Machine::leaf1_ecx, 12, 3},     // FMA
     {&X86Machine::leaf1_ecx, 26, 3},     // XSAVE
     {&X86Machine::leaf1_ecx, 27, 3},     // OSXSAVE
@@ -215,7 +213,8 @@ TEST(DetectTargetsTest, EachFeatureOfAarch64) {
   }
 }
 
-// Highway only warns if the CPU lacks what the compiler was told it has.
+// Highway only warns if the CPU lacks what the compiler was told it has. Its
+// library asks for AES, which ours does not.
 TEST(DetectTargetsTest, ThisMachineAsHighwayDoes) {
   std::int64_t supported = 0;
   for (Target target : SupportedTargets()) supported |= target.highway_bit();

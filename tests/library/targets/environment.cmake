@@ -29,3 +29,21 @@ halfspace_add_environment_test(unknown "set:nonsense, and more of it")
 # One of the two is the plain fall-back of every build.
 halfspace_add_environment_test(lower_case_scalar "set:scalar")
 halfspace_add_environment_test(lower_case_emu128 "set:emu128")
+
+# CPUs and virtual machines that lack AES or PCLMULQDQ, which Highway's own detection asks for.
+find_program(HALFSPACE_QEMU_X86_64 qemu-x86_64)
+if(HALFSPACE_QEMU_X86_64 AND CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$" AND
+   NOT WIN32 AND NOT HALFSPACE_ONLY_NATIVE AND NOT HALFSPACE_ONLY_SCALAR)
+  foreach(row "Haswell,-aes AVX2" "Haswell,-pclmulqdq AVX2" "EPYC,-aes AVX2" "Dhyana AVX2"
+              "Nehalem SSE4")
+    string(REPLACE " " ";" row "${row}")
+    list(GET row 0 cpu)
+    list(GET row 1 expected)
+    add_test(NAME environment_test.cpu.${cpu}
+      COMMAND "${HALFSPACE_QEMU_X86_64}" -cpu ${cpu} $<TARGET_FILE:environment_test>
+              --gtest_filter=*CpuHasTheTargetThatItCanRun)
+    set_tests_properties(environment_test.cpu.${cpu} PROPERTIES
+      LABELS library ENVIRONMENT_MODIFICATION
+      "HALFSPACE_TARGET=unset:;HALFSPACE_TEST_TARGET_OF_CPU=set:${expected}")
+  endforeach()
+endif()

@@ -74,6 +74,13 @@ class AtExit {
 };
 AtExit at_exit;
 
+// Of an emulated CPU, named by the test that starts this program.
+TEST(EnvironmentTest, CpuHasTheTargetThatItCanRun) {
+  const char* expected = std::getenv("HALFSPACE_TEST_TARGET_OF_CPU");
+  if (expected == nullptr) GTEST_SKIP() << "no CPU is emulated";
+  EXPECT_EQ(ChosenTarget().name(), expected);
+}
+
 TEST(EnvironmentTest, HoldsAfterMainToo) {
   at_exit.expected = WhatIsDone();
   EXPECT_FALSE(at_exit.expected.empty());

@@ -8,8 +8,8 @@
 //
 // Exception flags that a builder raises may stay raised. (They are bits of the
 // same register on x86, and of another register on ARM.) No flag is cleared.
-#ifndef HALFSPACE_DISPATCH_EXACT_DEFAULT_FP_MODE_H_
-#define HALFSPACE_DISPATCH_EXACT_DEFAULT_FP_MODE_H_
+#ifndef HALFSPACE_DISPATCH_DEFAULT_FP_MODE_H_
+#define HALFSPACE_DISPATCH_DEFAULT_FP_MODE_H_
 
 #include <cstddef>
 #include <cstdint>
@@ -20,6 +20,8 @@
 #include <xmmintrin.h>
 #elif defined(_M_ARM64) && !defined(__clang__)
 #include <intrin.h>
+#elif !defined(__aarch64__)
+#include <cfenv>
 #endif
 
 namespace halfspace::dispatch {
@@ -79,11 +81,12 @@ class DefaultFpMode {
   }
 #endif
 #else
-  using Register = unsigned;
-  static constexpr Register kMode = 0;
-  static constexpr Register kDefault = 0;
-  static Register Read() { return 0; }
-  static void Write(Register /*value*/) {}
+  // Elsewhere the rounding mode alone.
+  using Register = int;
+  static constexpr Register kMode = ~0;
+  static constexpr Register kDefault = FE_TONEAREST;
+  static Register Read() { return std::fegetround(); }
+  static void Write(Register value) { std::fesetround(value); }
 #endif
 
   void Enter() {
@@ -129,4 +132,4 @@ void RunInDefaultFpMode(const Run& run, std::size_t count, const Part& part) {
 
 }  // namespace halfspace::dispatch
 
-#endif  // HALFSPACE_DISPATCH_EXACT_DEFAULT_FP_MODE_H_
+#endif  // HALFSPACE_DISPATCH_DEFAULT_FP_MODE_H_
