@@ -4,9 +4,9 @@
 #include <string>
 #include <utility>
 
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
-#include "dispatch/default_fp_mode.h"
 
 namespace halfspace::detail {
 

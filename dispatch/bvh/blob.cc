@@ -8,9 +8,9 @@
 
 #include "dispatch/bvh/scratch.h"
 #include "dispatch/bvh/tree.h"
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
-#include "dispatch/default_fp_mode.h"
 #include "halfspace/bvh.h"
 
 namespace halfspace::detail {

@@ -12,10 +12,10 @@
 
 #include "dispatch/bvh/scratch.h"
 #include "dispatch/bvh/tree.h"
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/errors/number_checks.h"
-#include "dispatch/default_fp_mode.h"
 #include "halfspace/bvh.h"
 #include "halfspace/mask.h"
 #include "kernels/compiler.h"

@@ -9,9 +9,9 @@
 #include <string>
 
 #include "dispatch/bvh/used_ids.h"
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
-#include "dispatch/default_fp_mode.h"
 #include "dispatch/exact/outward.h"
 #include "halfspace/mask.h"
 #include "kernels/compiler.h"

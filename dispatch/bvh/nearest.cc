@@ -11,10 +11,10 @@
 
 #include "dispatch/bvh/ball.h"
 #include "dispatch/bvh/tree.h"
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/errors/number_checks.h"
-#include "dispatch/default_fp_mode.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/bvh.h"
 #include "halfspace/bvh_nearest.h"

@@ -9,9 +9,9 @@
 #include <string>
 
 #include "dispatch/bvh/layout.h"
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
-#include "dispatch/default_fp_mode.h"
 #include "dispatch/exact/exact_bound.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/bvh.h"

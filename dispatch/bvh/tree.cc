@@ -10,9 +10,9 @@
 
 #include "dispatch/bvh/order.h"
 #include "dispatch/bvh/scratch.h"
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/number_checks.h"
-#include "dispatch/default_fp_mode.h"
 #include "halfspace/bvh.h"
 
 namespace halfspace::detail {

@@ -14,9 +14,9 @@
 #include <string>
 #include <string_view>
 
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/number_checks.h"
-#include "dispatch/default_fp_mode.h"
 #include "dispatch/exact/outward.h"
 #include "halfspace/bounds.h"
 #include "halfspace/fit_status.h"

@@ -6,9 +6,9 @@
 #include <string>
 #include <string_view>
 
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
-#include "dispatch/default_fp_mode.h"
 #include "dispatch/targets/chosen_target.h"
 #include "kernels/fit_many/kernel_table.h"
 

@@ -3,9 +3,9 @@
 #include <optional>
 #include <string>
 
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
-#include "dispatch/default_fp_mode.h"
 #include "dispatch/exact/exact_bound.h"
 #include "dispatch/exact/exact_terms.h"
 #include "dispatch/exact/outward.h"

@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <type_traits>
 
-#include "dispatch/errors/error.h"
 #include "dispatch/default_fp_mode.h"
+#include "dispatch/errors/error.h"
 #include "dispatch/exact/exact_bound.h"
 #include "dispatch/exact/outward.h"
 #include "halfspace/detail/plane_arrays.h"

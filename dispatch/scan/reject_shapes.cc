@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <string>
 
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
-#include "dispatch/default_fp_mode.h"
 #include "kernels/compiler.h"
 #include "kernels/scan/half_spaces.h"
 
