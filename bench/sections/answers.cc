@@ -68,7 +68,7 @@ struct Method {
   Timing time;  // of a query, with the exact test of survivors
 
   std::string name() const {
-    const std::string bvh_or_scan = words[0].text + " " + words[1].text;
+    std::string bvh_or_scan = words[0].text + " " + words[1].text;
     if (words[1].text == "BVH") return bvh_or_scan;
     return bvh_or_scan +
            (words[2].text == "uint8" ? " of a QuantizedWorld" : " of floats");

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <new>
 
 #include "kernels/bvh/block.h"
 #include "kernels/compiler.h"
@@ -182,6 +183,58 @@ HalfSpaceTest MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
   }
   if (!tells) test = {0, 0, {}};
   return test;
+}
+
+namespace {
+
+// Moves a side of the box, if the half-space is axis-aligned. The box begins as
+// all of space.
+bool AddToBox(const float* normal, float offset, std::size_t dims,
+              HalfSpaceTests& tests) {
+  std::size_t axis = dims;
+  for (std::size_t k = 0; k < dims; ++k) {
+    if (normal[k] == 0) continue;
+    if (axis != dims) return false;
+    axis = k;
+  }
+  if (axis == dims || !std::isfinite(normal[axis]) || !std::isfinite(offset)) {
+    return false;
+  }
+  // Rounded outward, and to a float of the same sign, which a compare finds
+  // equal in every floating-point mode.
+  const double side =
+      std::clamp(-double{offset} / normal[axis], -0x1p127, 0x1p127);
+  if (normal[axis] > 0) {
+    tests.low[axis] = std::max(tests.low[axis], RoundedDown(side));
+  } else {
+    tests.high[axis] = std::min(tests.high[axis], RoundedUp(side));
+  }
+  return true;
+}
+
+}  // namespace
+
+void MakeHalfSpaceTests(const PlaneLayout& planes, const float* half_spaces,
+                        std::size_t count, HalfSpaceTests& tests) {
+  constexpr float kInf = std::numeric_limits<float>::infinity();
+  tests.box_dims = 0;
+  tests.max_plane = planes.first_max;
+  tests.count = 0;
+  for (std::size_t k = 0; k < planes.dims; ++k) {
+    tests.low[k] = -kInf;
+    tests.high[k] = kInf;
+  }
+  for (std::size_t f = 0; f < count; ++f) {
+    const float* const normal = half_spaces + f * (planes.dims + 1u);
+    const float offset = normal[planes.dims];
+    if (planes.has_max && AddToBox(normal, offset, planes.dims, tests)) {
+      tests.box_dims = planes.dims;
+    } else {
+      // Constructed in place, because a copy would wait for the stores.
+      new (&tests.test[tests.count++])
+          HalfSpaceTest(MakeHalfSpaceTest(planes, normal, offset));
+    }
+  }
 }
 
 template <std::size_t kDims>

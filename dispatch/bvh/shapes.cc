@@ -182,11 +182,7 @@ class Prepared {
   }
 
   void SetHalfSpaces() {
-    half_spaces_.count = 0;
-    for (std::size_t f = 0; f < query_.count; ++f) {
-      const float* const half_space = query_.values + f * (query_.dims + 1);
-      AddHalfSpace(half_space, half_space[query_.dims]);
-    }
+    MakeHalfSpaceTests(world_, query_.values, query_.count, half_spaces_);
     is_ = kHalfSpaces;
   }
 

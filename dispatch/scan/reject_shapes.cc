@@ -2,8 +2,11 @@
 // the calls of reject.h run.
 #include "halfspace/reject_shapes.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 
 #include "dispatch/default_fp_mode.h"
@@ -14,6 +17,40 @@
 
 namespace halfspace::detail {
 namespace {
+
+void MakeQuery(const ScanType& type, const float* half_spaces,
+               std::size_t count, HalfSpaceQuery& query) {
+  HalfSpaceTests& tests = query.tests;
+  MakeHalfSpaceTests(type, half_spaces, count, tests);
+  query.rejects_all = false;
+  std::uint8_t listed = 0;
+  query.end[0] = 0;
+  for (std::size_t terms = 1; terms <= kMostTerms; ++terms) {
+    for (std::size_t f = 0; f < tests.count; ++f) {
+      if (tests.test[f].terms != terms) continue;
+      query.order[listed++] = static_cast<std::uint8_t>(f);
+    }
+    query.end[terms] = listed;
+  }
+  for (std::size_t f = 0; f < tests.count; ++f) {
+    HalfSpaceTest& test = tests.test[f];
+    query.rejects_all |= test.terms == 0 && test.offset < 0;
+    for (std::size_t t = test.terms; t < kMostTerms; ++t) {
+      test.term[t].plane = test.term[0].plane;
+    }
+  }
+  query.minima = type.has_max ? type.dims : type.plane_count;
+  query.maxima = type.has_max ? type.dims : 0;
+  query.slack = std::numeric_limits<float>::infinity();
+  if (tests.box_dims == 0) return;
+  float most = 0;
+  for (std::size_t k = 0; k < type.dims; ++k) {
+    query.box[k] = tests.low[k];
+    query.box[type.dims + k] = tests.high[k];
+    most = std::max({most, std::abs(tests.low[k]), std::abs(tests.high[k])});
+  }
+  query.slack = kSumSlack * most + 0x1p-110f;
+}
 
 // Runs a scan of half-spaces as a scan with queries. A function of its own,
 // because its list would make the stack frame of its caller large.
@@ -28,14 +65,9 @@ HALFSPACE_NOINLINE auto WithQuery(HalfSpaceScan& half_spaces, const char* call,
   dispatch::CheckMemory(call, "half-spaces", half_spaces.values,
                         half_spaces.count, alignof(float));
   ScanType type = *half_spaces.scan.type;
-  HalfSpaceTests query;
-  dispatch::InDefaultFpMode([&] {
-    query.count = half_spaces.count;
-    for (std::size_t f = 0; f < query.count; ++f) {
-      const float* const normal = half_spaces.values + f * (type.dims + 1u);
-      query.test[f] = MakeHalfSpaceTest(type, normal, normal[type.dims]);
-    }
-  });
+  HalfSpaceQuery query;
+  dispatch::InDefaultFpMode(
+      [&] { MakeQuery(type, half_spaces.values, half_spaces.count, query); });
   type.all_kernels = &KernelsOfAll<TargetKernels>::kTargets;
   half_spaces.scan.type = &type;
   half_spaces.scan.queries = &query;

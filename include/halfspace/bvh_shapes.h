@@ -27,7 +27,8 @@
 //     edge, an object up to sqrt(d) * radius away can survive.
 //   half-spaces: the corner of the bound that is foremost along each normal.
 //     For an octahedron it is the corner of its box. An object near an edge of
-//     a frustum that is behind no single plane can survive.
+//     a frustum that is behind no single plane can survive, unless the list has
+//     the sides of its box, too (FrustumPlanes() in frustum.h).
 //   oriented box: the half-spaces of its sides, and of the sides of the
 //     axis-aligned box around it. An object near an edge can survive: the
 //     cross products of edges are not tested.

@@ -69,7 +69,8 @@ struct HalfSpaceTest {
   Term term[4];
 };
 
-// Half-spaces, and a box that the bounds must touch as well.
+// Half-spaces, and a box that the bounds must touch as well: the axis-aligned
+// half-spaces of a list, which take a compare each.
 struct HalfSpaceTests {
   std::size_t box_dims = 0;  // 0 without a box
   std::size_t max_plane;     // the first maximum
@@ -108,6 +109,9 @@ void MakeLine(const PlaneLayout& planes, const double* low, const double* high,
               const double* direction, float max_t, float radius, Line& line);
 HalfSpaceTest MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
                                 float offset);
+// Makes the tests of a list of half-spaces, each a normal and an offset.
+void MakeHalfSpaceTests(const PlaneLayout& planes, const float* half_spaces,
+                        std::size_t count, HalfSpaceTests& tests);
 // Makes the tests of two half-spaces with opposite normals, for bounds with
 // maxima. The largest component of the normal is 1. Takes less than half the
 // time of two calls of MakeHalfSpaceTest().

@@ -2,13 +2,40 @@
 #ifndef HALFSPACE_KERNELS_SCAN_HALF_SPACES_H_
 #define HALFSPACE_KERNELS_SCAN_HALF_SPACES_H_
 
+#include <cstddef>
+#include <cstdint>
+
 #include "kernels/bvh/shape.h"
 #include "kernels/scan/kernel_table.h"
 
 namespace halfspace::detail {
 
+inline constexpr std::size_t kMostTerms = 4;
+
+// A sum of a test with fewer roundings than HalfSpaceSum() has the same sign,
+// unless both are less than this times the greatest number that either reads
+// (docs/exactness.md).
+inline constexpr float kSumSlack = 0x1p-16f;
+
+struct HalfSpaceQuery {
+  HalfSpaceTests tests;
+  bool rejects_all;
+  float box[6];  // of the tests, as a query of boxes
+  // For bounds that touch the box: what kSumSlack says, or infinity if the box
+  // does not say it.
+  float slack;
+  // Numbers of tests. Those with t terms are order[end[t - 1]] ... order[end[t]
+  // - 1]. Terms that a test lacks have the factor 0 and the plane of its first
+  // term.
+  std::uint8_t order[kMostHalfSpaces];
+  std::uint8_t end[kMostTerms + 1];
+  // The planes that tests read: so many minima, and as many maxima.
+  std::uint8_t minima;
+  std::uint8_t maxima;
+};
+
 // One kernel for any planes of floats, and for every enumerator of ScanKernel.
-// Its queries are HalfSpaceTests.
+// Its query is a HalfSpaceQuery.
 extern template struct KernelsOfAll<TargetKernels>;
 
 }  // namespace halfspace::detail

@@ -131,6 +131,18 @@ struct MovingBox {
 // Of a half-space of finite numbers.
 inline bool IsBehind(const Layout& layout, const Planes& planes,
                      const float* normal, float offset) {
+  // A side of a box.
+  const auto* const component = std::find_if(normal, normal + layout.dims,
+                                             [](float x) { return x != 0; });
+  if (layout.has_max && component != normal + layout.dims &&
+      std::count(normal, normal + layout.dims, 0.0f) ==
+          std::ptrdiff_t{layout.dims} - 1) {
+    const std::ptrdiff_t k = component - normal;
+    const double side =
+        std::clamp(-double{offset} / *component, -0x1p127, 0x1p127);
+    return *component > 0 ? planes[layout.first_max + k] < -UpFrom(-side)
+                          : planes[k] > UpFrom(side);
+  }
   // Of minima alone, all factors are at most 0, also that of D.
   double most = 0;
   for (std::size_t k = 0; k < layout.dims && !layout.has_max; ++k) {
