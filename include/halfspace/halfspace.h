@@ -9,6 +9,7 @@
 //   fit.h          builders: compute a bound that encloses a shape
 //   transform.h    compute a bound from bounds: merge, inflate, move, sweep
 //   fit_many.h     builders of many bounds at once, in SIMD
+//   frustum.h      half-spaces from a camera's matrix
 //   fit_status.h   counts the shapes that a builder could not bound
 //   planes.h       the output arrays of fit_many.h
 //   span.h         the type of all array parameters
@@ -48,6 +49,7 @@
 #include "halfspace/fit.h"            // IWYU pragma: export
 #include "halfspace/fit_many.h"       // IWYU pragma: export
 #include "halfspace/fit_status.h"     // IWYU pragma: export
+#include "halfspace/frustum.h"        // IWYU pragma: export
 #include "halfspace/kernels.h"        // IWYU pragma: export
 #include "halfspace/mask.h"           // IWYU pragma: export
 #include "halfspace/memory.h"         // IWYU pragma: export
