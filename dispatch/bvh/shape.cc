@@ -138,11 +138,14 @@ HalfSpaceTest MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
   // A simplex has only minima, so the normal is written as a combination of the
   // axes with factors of at most 0: `normal[k] - most` for axis k, and `-most`
   // for D.
+  const bool is_sphere = planes.kind == PlaneLayout::kSphere;
   double most = 0;
-  if (!planes.has_max) {
-    for (std::size_t k = 0; k < planes.dims; ++k) {
+  double squared = 0;
+  for (std::size_t k = 0; k < planes.dims; ++k) {
+    if (!planes.has_max && !is_sphere) {
       most = std::max(most, double{normal[k]});
     }
+    squared += double{normal[k]} * normal[k];
   }
   double factors[4] = {};
   double largest = 0;
@@ -154,8 +157,10 @@ HalfSpaceTest MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
   }
   const std::size_t factor_count = planes.dims + (planes.has_max ? 0u : 1u);
   if (!planes.has_max) {
-    factors[planes.dims] = -most;
-    largest = std::max(largest, most);
+    // A sphere reaches as far as its radius times the length of the normal.
+    factors[planes.dims] =
+        is_sphere ? std::sqrt(squared) * (1 + 0x1p-50) : -most;
+    largest = std::max(largest, std::abs(factors[planes.dims]));
   }
   // The factors are scaled by a power of two to 1/8 or less, so that finite
   // planes cannot overflow.
@@ -227,7 +232,8 @@ void MakeHalfSpaceTests(const PlaneLayout& planes, const float* half_spaces,
   for (std::size_t f = 0; f < count; ++f) {
     const float* const normal = half_spaces + f * (planes.dims + 1u);
     const float offset = normal[planes.dims];
-    if (planes.has_max && AddToBox(normal, offset, planes.dims, tests)) {
+    if ((planes.has_max || planes.kind == PlaneLayout::kSphere) &&
+        AddToBox(normal, offset, planes.dims, tests)) {
       tests.box_dims = planes.dims;
     } else {
       // Constructed in place, because a copy would wait for the stores.

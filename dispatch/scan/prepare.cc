@@ -13,6 +13,10 @@ using dispatch::Overlap;
 using dispatch::ThrowInvalid;
 
 std::string PlaneName(const detail::Scan& scan, std::size_t p) {
+  if (scan.type->kind == detail::PlaneLayout::kSphere) {
+    return p == scan.type->dims ? "world.radius"
+                                : "world.center[" + std::to_string(p) + "]";
+  }
   return dispatch::PlaneName("world", scan.type->axes, p);
 }
 

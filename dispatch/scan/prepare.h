@@ -57,11 +57,12 @@ void CheckOutput(const detail::Scan& scan, const Output& output);
 
 // The kernel for all planes, by bound type and schedule. docs/design.md
 // explains the defaults.
-inline constexpr detail::ScanKernel kKernelOf[3][4] = {
+inline constexpr detail::ScanKernel kKernelOf[4][4] = {
     // kAuto, kFlat, kStaged, kStagedByAxis
     {detail::kMinima, detail::kMinima, detail::kMinima, detail::kMinima},
     {detail::kAdaptive, detail::kAll, detail::kByHalf, detail::kByAxis},
     {detail::kAdaptive, detail::kAll, detail::kBySimplex, detail::kByAxis},
+    {detail::kMinima, detail::kMinima, detail::kMinima, detail::kMinima},
 };
 // A word of quantized bounds is only one or two vectors, so a stage by axis
 // could not skip anything.

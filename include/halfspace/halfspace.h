@@ -21,7 +21,7 @@
 //   kernels.h      the tests alone: no checks, options or worlds
 //   reject.h       tests one query: masks, index lists, counts
 //   reject_many.h  tests several queries
-//   reject_shapes.h  tests half-spaces, for example a frustum
+//   reject_shapes.h  tests half-spaces, for example a frustum, and spheres
 //   bvh.h          a hierarchy (BVH) for large worlds
 //   runner.h       the caller's threads, for builds and refits of a BVH
 //   bvh_shapes.h   BVH queries by points, spheres, oriented boxes and others

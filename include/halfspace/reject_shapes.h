@@ -1,26 +1,40 @@
 // Half-spaces, for example a frustum: which of the stored bounds could be in
-// front of all of them?
+// front of all of them? And which of some stored spheres could touch a shape?
 //
-//   const std::array<HalfSpace3, 6> frustum = ...;
-//   indices.resize(halfspace::Survivors(world, frustum, indices));
+//   const Frustum3 seen = FrustumPlanes(matrix, ClipDepth::kZeroToOne);
+//   indices.resize(halfspace::Survivors(world, seen, indices));
 //
-// This header adds a type of query to the calls of reject.h: any list of up to
-// 64 HalfSpace<d> (shapes.h), for a view or an owning world of floats in 2 or 3
-// dimensions. The schedule of the options has no effect.
+//   const SphereView3 spheres = {{x, y, z}, radius, count};
+//   halfspace::SurvivorMask(spheres, seen, mask);
 //
-// An object survives if the corner of its bound that is foremost along the
-// normal of each half-space is in front of it. For an AABO it is the corner of
-// its box. These are the objects that the queries of bvh_shapes.h find.
-// bvh_shapes.h says what is exact, and what half-spaces with a NaN, an infinity
-// or a tiny component do. An empty list of half-spaces keeps every object.
+// This header adds to the calls of reject.h:
+//   - a type of query: any list of up to 64 HalfSpace<d> (shapes.h), for a view
+//     or an owning world of floats in 2 or 3 dimensions. frustum.h makes that of
+//     a camera;
+//   - a type of view: SphereView<d>, for queries by such a list, an Aabb<d>, a
+//     RoundedBox<d> or a Sphere<d>.
+// The schedule of the options has no effect.
+//
+// A bound survives if its corner that is foremost along the normal of each
+// half-space is in front of it. For an AABO it is the corner of its box. These
+// are the objects that the queries of bvh_shapes.h find. bvh_shapes.h says what
+// is exact, and what half-spaces with a NaN, an infinity or a tiny component do.
+// An empty list of half-spaces keeps every object.
 //
 // A large object can be behind no half-space and yet outside, near a corner of
 // the region. Add the sides of an axis-aligned box around the region, as
-// FrustumPlanes() does (frustum.h): an axis-aligned half-space costs a compare,
-// and objects outside of the box are tested no further.
+// FrustumPlanes() does: an axis-aligned half-space costs a compare, and objects
+// outside of the box are tested no further.
+//
+// A sphere survives if it reaches in front of each half-space, and if its
+// distance from the box, or the center, is at most the sum of the radii. The
+// axis-aligned half-spaces of a list are such a box. No sphere that touches the
+// exact shape is rejected, in any floating-point mode. Spheres closer than about
+// 2^-17 of the sizes involved can survive. All targets return the same spheres.
 //
 // Errors: as RejectMask() in reject.h. There must be at most 64 half-spaces,
-// and the pointer to them must not be null or misaligned.
+// and the pointer to them must not be null or misaligned. The radius of a query
+// must not be negative or NaN.
 //
 // Floating-point mode: as in bvh_shapes.h. A call can raise inexact, overflow,
 // underflow and invalid. A program that enables floating-point traps must
@@ -28,25 +42,56 @@
 //
 // Thread safety: as in reject.h, with 6 KiB more stack.
 //
-// Cost: three multiply-adds an object and half-space, and a compare an
-// axis-aligned one. `./bench.sh --details culling` compares it with loops by
-// hand. What those lack costs up to a third: without a box around the region,
-// each plane is also read for its magnitude, from which follows which sums are
-// too near to 0 to decide. From a few thousand objects on, a BVH is faster.
+// Cost: three multiply-adds an object and half-space (a sphere: four), and a
+// compare an axis-aligned one. `./bench.sh --details culling` compares it with
+// loops by hand. What those lack costs up to a third: without a box around the
+// region, each plane is also read for its magnitude, from which follows which
+// sums are too near to 0 to decide. From a few thousand objects on, a BVH is
+// faster.
 //
-// Source: the support function of a box is common knowledge.
+// Source: the support function of a box is common knowledge. Spheres: "The
+// Bounding Simplex: A SIMD-Era Rejection Primitive", section 2.1.
 #ifndef HALFSPACE_REJECT_SHAPES_H_
 #define HALFSPACE_REJECT_SHAPES_H_
 
+#include <array>
 #include <cstddef>
 #include <type_traits>
+#include <utility>
 
 #include "halfspace/detail/scan.h"
 #include "halfspace/reject.h"  // IWYU pragma: export
 #include "halfspace/shapes.h"
 #include "halfspace/span.h"
 
+namespace halfspace {
+
+// Stored spheres, in the caller's memory: coordinate k of the center of sphere
+// i is center[k][i], and its radius is radius[i], which must not be negative.
+// The rest is as in AabbView (world.h). A NaN counts as touching whatever it is
+// compared with.
+template <int kDims>
+struct SphereView {
+  static_assert(kDims == 2 || kDims == 3, "spheres have 2 or 3 dimensions");
+  std::array<const float*, kDims> center{};
+  const float* radius = nullptr;
+  std::size_t size = 0;
+
+  const SphereView& view() const { return *this; }
+};
+using SphereView2 = SphereView<2>;
+using SphereView3 = SphereView<3>;
+
+}  // namespace halfspace
+
 namespace halfspace::detail {
+
+template <int kDims>
+const float* ValuesOf(Span<const HalfSpace<kDims>> list) {
+  static_assert(sizeof(list[0]) == (kDims + 1) * sizeof(float),
+                "half-spaces are read as a list of their values");
+  return reinterpret_cast<const float*>(list.data());
+}
 
 // Any list of half-spaces. Quantized bounds, which have no `Planes`, are not
 // tested by them.
@@ -62,11 +107,71 @@ struct Asked<
   static_assert(std::is_same_v<typename View::Bound::Scalar, float>,
                 "half-spaces are for worlds of floats");
 
-  static HalfSpaceScan Of(const View& view, Span<const HalfSpace<kDims>> list) {
-    static_assert(sizeof(list[0]) == (kDims + 1) * sizeof(float),
-                  "half-spaces are read as a list of their values");
-    return {ScanOf(view, nullptr, 0),
-            reinterpret_cast<const float*>(list.data()), list.size()};
+  static ShapeScan Of(const View& view, Span<const HalfSpace<kDims>> list) {
+    return {ScanOf(view, nullptr, 0), ValuesOf(list), list.size()};
+  }
+};
+
+template <int kDims>
+constexpr ScanType MakeSphereType() {
+  ScanType type{};
+  static_cast<PlaneLayout&>(type) = PlaneLayout::OfSpheres(kDims);
+  type.flat = kMinima;
+  type.element_bytes = sizeof(float);
+  type.record_bytes = (kDims + 1) * sizeof(float);
+  type.query_bytes = sizeof(float);
+  return type;
+}
+template <int kDims>
+inline constexpr ScanType kSphereType = MakeSphereType<kDims>();
+
+template <int kDims>
+Scan SphereScanOf(const SphereView<kDims>& view) {
+  static_assert(
+      std::is_standard_layout_v<SphereView<kDims>> &&
+          offsetof(SphereView<kDims>, radius) == kDims * sizeof(const float*),
+      "the planes of a view are read as one list");
+  Scan scan;
+  scan.type = &kSphereType<kDims>;
+  scan.planes = view.center.data();
+  scan.addresses =
+      AddressesOf(view.center.data(), std::make_index_sequence<kDims + 1>());
+  scan.size = view.size;
+  scan.queries = nullptr;
+  scan.query_count = 0;
+  return scan;
+}
+
+template <int kDims, typename Query>
+struct Asked<SphereView<kDims>, Query,
+             std::enable_if_t<std::is_convertible_v<
+                 const Query&, Span<const HalfSpace<kDims>>>>> {
+  static ShapeScan Of(const SphereView<kDims>& view,
+                      Span<const HalfSpace<kDims>> list) {
+    return {SphereScanOf(view), ValuesOf(list), list.size()};
+  }
+};
+template <int kDims>
+struct Asked<SphereView<kDims>, Sphere<kDims>> {
+  static ShapeScan Of(const SphereView<kDims>& view,
+                      const Sphere<kDims>& query) {
+    const float* const center = query.center.data();
+    return {SphereScanOf(view), nullptr, 0, center, center, query.radius};
+  }
+};
+template <int kDims>
+struct Asked<SphereView<kDims>, Aabb<kDims>> {
+  static ShapeScan Of(const SphereView<kDims>& view, const Aabb<kDims>& query) {
+    return {SphereScanOf(view), nullptr,          0,
+            query.min.data(),   query.max.data(), 0};
+  }
+};
+template <int kDims>
+struct Asked<SphereView<kDims>, RoundedBox<kDims>> {
+  static ShapeScan Of(const SphereView<kDims>& view,
+                      const RoundedBox<kDims>& query) {
+    return {SphereScanOf(view),   nullptr,     0, query.box.min.data(),
+            query.box.max.data(), query.radius};
   }
 };
 

@@ -26,12 +26,38 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+// The squared distance of a center from the box is compared with that of the
+// sum of the radii. Its error is less than 2^-20, or 2^-120.
+template <class D, class Load>
+HWY_INLINE hn::Mask<D> IsFar(D d, Load load, const float* const* planes,
+                             const detail::HalfSpaceQuery& query, size_t i) {
+  const auto zero = hn::Zero(d);
+  auto distance = zero;
+  for (size_t k = 0; k < query.near_dims; ++k) {
+    const auto center = load(d, planes[k] + i);
+    const auto below = hn::Sub(hn::Set(d, query.box[k]), center);
+    const auto above =
+        hn::Sub(center, hn::Set(d, query.box[query.near_dims + k]));
+    const auto apart = GreaterOf(above, GreaterOf(below, zero));
+    distance = hn::Add(distance, hn::Mul(apart, apart));
+  }
+  const auto radius = load(d, planes[query.near_dims] + i);
+  const auto reach = hn::Add(hn::Mul(hn::Add(radius, hn::Set(d, query.radius)),
+                                     hn::Set(d, 1 + 0x1p-18f)),
+                             hn::Set(d, 0x1p-59f));
+  return hn::Gt(distance, hn::Mul(reach, reach));
+}
+
 // One vector of objects. The test ends when none is left.
 template <class D, class Load>
 HWY_INLINE uint64_t HalfSpaceBits(D d, Load load, const float* const* planes,
-                                  const detail::HalfSpaceTests& tests,
+                                  const detail::HalfSpaceQuery& query,
                                   size_t i) {
+  const detail::HalfSpaceTests& tests = query.tests;
   uint64_t kept = ~uint64_t{0} >> (kWordObjects - hn::Lanes(d));
+  if (query.near_dims != 0) {
+    kept &= ~LaneBits(d, IsFar(d, load, planes, query, i));
+  }
   for (size_t k = 0; k < tests.box_dims && kept != 0; ++k) {
     const auto min = load(d, planes[k] + i);
     const auto max = load(d, planes[tests.max_plane + k] + i);
@@ -51,18 +77,18 @@ HWY_INLINE uint64_t HalfSpaceBits(D d, Load load, const float* const* planes,
 // Objects begin ... begin + count - 1, at most 64. What this says is the
 // result on every target.
 HWY_NOINLINE uint64_t HalfSpaceWord(const float* const* planes,
-                                    const detail::HalfSpaceTests& tests,
+                                    const detail::HalfSpaceQuery& query,
                                     size_t begin, size_t count) {
   const WordTag<float> d;
   const size_t lanes = hn::Lanes(d);
   uint64_t bits = 0;
   size_t l = 0;
   for (; l + lanes <= count; l += lanes) {
-    bits |= HalfSpaceBits(d, LoadAll(), planes, tests, begin + l) << l;
+    bits |= HalfSpaceBits(d, LoadAll(), planes, query, begin + l) << l;
   }
   if (l == count) return bits;
   const LoadFirst load{count - l};
-  bits |= HalfSpaceBits(d, load, planes, tests, begin + l) << l;
+  bits |= HalfSpaceBits(d, load, planes, query, begin + l) << l;
   return bits & ~(~uint64_t{0} << count);
 }
 
@@ -209,9 +235,32 @@ HWY_INLINE uint64_t FrontWord(const float* const* planes,
   }
 #endif
   if (HWY_UNLIKELY(unknown != 0)) {
-    bits &= ~unknown | HalfSpaceWord(planes, query.tests, i, kWordObjects);
+    bits &= ~unknown | HalfSpaceWord(planes, query, i, kWordObjects);
   }
   return bits;
+}
+
+// How many objects the word that begins at object i lacks.
+constexpr size_t PastWord(size_t count, size_t i) {
+  return i + kWordObjects > count ? i + kWordObjects - count : 0;
+}
+
+// The spheres near the box, of at least 64.
+HWY_NOINLINE void NearWords(const float* const* planes,
+                            const detail::HalfSpaceQuery& query, size_t begin,
+                            size_t count, uint64_t* words) {
+  const WordTag<float> d;
+  const size_t lanes = hn::Lanes(d);
+  for (size_t i = 0; i < count; i += kWordObjects) {
+    const size_t past = PastWord(count, i);
+    uint64_t far = 0;
+    for (size_t l = 0; l < kWordObjects; l += lanes) {
+      far |=
+          LaneBits(d, IsFar(d, LoadAll(), planes, query, begin + i - past + l))
+          << l;
+    }
+    words[i / kWordObjects] = ~far >> past;
+  }
 }
 
 // Objects begin ... begin + count - 1, at least 64 and at most a tile, in plain
@@ -228,18 +277,18 @@ void FrontWords(const float* const* planes, const detail::HalfSpaceQuery& query,
     FlatMask<3, 3, OneTag<float>>(of_box, begin, count, query.box, words);
   } else if (dims == 2) {
     FlatMask<2, 2, OneTag<float>>(of_box, begin, count, query.box, words);
+  } else if (query.near_dims != 0) {
+    NearWords(planes, query, begin, count, words);
   } else {
     for (size_t i = 0; i < count; i += kWordObjects) {
-      words[i / kWordObjects] =
-          ~uint64_t{0} >>
-          (i + kWordObjects > count ? i + kWordObjects - count : 0);
+      words[i / kWordObjects] = ~uint64_t{0} >> PastWord(count, i);
     }
   }
   if (query.tests.count == 0) return;
   for (size_t i = 0; i < count; i += kWordObjects) {
     uint64_t& word = words[i / kWordObjects];
     if (word == 0) continue;
-    const size_t past = i + kWordObjects > count ? i + kWordObjects - count : 0;
+    const size_t past = PastWord(count, i);
     word &= FrontWord(planes, query, begin + i - past) >> past;
   }
 }
@@ -258,9 +307,8 @@ void HalfSpaceMask(const void* pointers, size_t begin, size_t count,
       FrontWords(planes, query, begin + i, objects, words);
     } else {
       for (size_t l = 0; l < objects; l += kWordObjects) {
-        words[l / kWordObjects] =
-            HalfSpaceWord(planes, query.tests, begin + i + l,
-                          HWY_MIN(kWordObjects, objects - l));
+        words[l / kWordObjects] = HalfSpaceWord(
+            planes, query, begin + i + l, HWY_MIN(kWordObjects, objects - l));
       }
     }
     words += kTile / kWordObjects;

@@ -20,7 +20,11 @@ inline constexpr float kSumSlack = 0x1p-16f;
 struct HalfSpaceQuery {
   HalfSpaceTests tests;
   bool rejects_all;
-  float box[6];  // of the tests, as a query of boxes
+  float box[6];  // of the tests, as a query of boxes; or of spheres
+  // Spheres must be at most as far away from the box as their radius and this.
+  // Without dimensions there is no box.
+  std::uint8_t near_dims;
+  float radius;
   // For bounds that touch the box: what kSumSlack says, or infinity if the box
   // does not say it.
   float slack;

@@ -84,8 +84,11 @@ inline constexpr std::size_t kPlaneCount =
 
 // The planes of a type of bound: minima of X, Y, ..., and of D if there is one
 // axis more than dimensions, and as many maxima or none.
+//
+// Of spheres: the coordinates of centers, and radii. They are no k-DOPs, and
+// only flat scans by shapes know them.
 struct PlaneLayout {
-  enum Kind : std::uint8_t { kSimplex, kAabb, kAabo };
+  enum Kind : std::uint8_t { kSimplex, kAabb, kAabo, kSphere };
 
   constexpr PlaneLayout() = default;
   constexpr PlaneLayout(std::size_t its_dims, std::size_t its_axes,
@@ -99,6 +102,12 @@ struct PlaneLayout {
         plane_count(
             static_cast<std::uint8_t>(with_max ? 2 * its_axes : its_axes)),
         first_max(with_max ? axes : std::uint8_t{0}) {}
+
+  static constexpr PlaneLayout OfSpheres(std::size_t dims) {
+    PlaneLayout layout(dims, dims + 1, false);
+    layout.kind = kSphere;
+    return layout;
+  }
 
   friend constexpr bool operator==(const PlaneLayout& a, const PlaneLayout& b) {
     return a.dims == b.dims && a.axes == b.axes && a.has_max == b.has_max;

@@ -246,30 +246,33 @@ using SomeFunction = bool (*)(void* context, Span<const std::uint32_t> indices);
 HALFSPACE_API void ForEachSurvivor(Scan&& scan, SomeFunction function,
                                    void* context, const Options& options);
 
-// Half-spaces (reject_shapes.h), declared here for the calls of reject.h.
+// Shapes (reject_shapes.h), declared here for the calls of reject.h.
 //
-// A scan without queries, and `count` half-spaces, each a normal and an offset.
-struct HalfSpaceScan {
+// A scan without queries, and the region in front of `count` half-spaces, each
+// a normal and an offset. For spheres also the points within `radius` of a box,
+// if `low` is not null.
+struct ShapeScan {
   Scan scan;
-  const float* values;
+  const float* half_spaces;
   std::size_t count;
+  const float* low = nullptr;
+  const float* high = nullptr;
+  float radius = 0;
 };
 
-HALFSPACE_API void RejectMask(HalfSpaceScan&& half_spaces,
-                              Span<std::uint64_t> mask, const Options& options);
-HALFSPACE_API void SurvivorMask(HalfSpaceScan&& half_spaces,
-                                Span<std::uint64_t> mask,
+HALFSPACE_API void RejectMask(ShapeScan&& shape, Span<std::uint64_t> mask,
+                              const Options& options);
+HALFSPACE_API void SurvivorMask(ShapeScan&& shape, Span<std::uint64_t> mask,
                                 const Options& options);
-HALFSPACE_API std::size_t Survivors(HalfSpaceScan&& half_spaces,
+HALFSPACE_API std::size_t Survivors(ShapeScan&& shape,
                                     Span<std::uint32_t> indices,
                                     const Options& options, std::size_t skip);
-HALFSPACE_API std::size_t CountSurvivors(HalfSpaceScan&& half_spaces,
+HALFSPACE_API std::size_t CountSurvivors(ShapeScan&& shape,
                                          const Options& options);
-HALFSPACE_API std::size_t AnySurvivor(HalfSpaceScan&& half_spaces,
+HALFSPACE_API std::size_t AnySurvivor(ShapeScan&& shape,
                                       const Options& options);
-HALFSPACE_API void ForEachSurvivor(HalfSpaceScan&& half_spaces,
-                                   SomeFunction function, void* context,
-                                   const Options& options);
+HALFSPACE_API void ForEachSurvivor(ShapeScan&& shape, SomeFunction function,
+                                   void* context, const Options& options);
 
 // Many queries.
 HALFSPACE_API void RejectMasks(Scan&& scan, Span<std::uint64_t> rows,

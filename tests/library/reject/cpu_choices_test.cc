@@ -132,7 +132,7 @@ TEST(WideVectorsTest, CallsHaveTheSameAnswers) {
       }
       for (Target target : targets) {
         detail::SurvivorMask(
-            detail::HalfSpaceScan{all.floats().Asked({}), half_spaces, 2}, mask,
+            detail::ShapeScan{all.floats().Asked({}), half_spaces, 2}, mask,
             {.target = target});
         if (expected.empty()) expected = mask;
         EXPECT_EQ(mask, expected) << target.name();

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <vector>
 
 #include "halfspace/reject_shapes.h"
@@ -127,6 +128,176 @@ void ExpectKeeps(std::uint64_t seed) {
       EXPECT_EQ(mask[(size - range.begin - 1) / 64] >>
                     ((size - range.begin - 1) % 64) >> 1,
                 0u);
+    }
+  }
+}
+
+// Spheres, and a list of half-spaces, a box, a sphere or a rounded box.
+template <int kDims>
+class SpheresTest {
+ public:
+  explicit SpheresTest(std::uint64_t seed) : random_(seed) {}
+
+  void Run(std::size_t size) {
+    List<kDims> list;
+    if (random_.Below(2) != 0) AddBox<kDims>(random_, list);
+    for (std::size_t more = random_.Below(8); more > 0; --more) {
+      list.push_back(RandomHalfSpace<kDims>(random_));
+    }
+    RoundedBox<kDims> box;
+    for (std::size_t k = 0; k < kDims; ++k) {
+      box.box.min[k] = random_.WithExponent(-2, 3);
+      box.box.max[k] = box.box.min[k] + std::abs(random_.WithExponent(-3, 3));
+    }
+    box.radius = std::abs(random_.WithExponent(-3, 2));
+    const Sphere<kDims> sphere = {box.box.min, box.radius};
+    for (auto& plane : planes_) plane.clear();
+    for (std::size_t i = 0; i < size; ++i) Add(list, box);
+    SphereView<kDims> view;
+    for (std::size_t k = 0; k < kDims; ++k) view.center[k] = planes_[k].data();
+    view.radius = planes_[kDims].data();
+    view.size = size;
+    Expect(view, list, [&](std::size_t i) { return RoomIn(list, i); });
+    Expect(view, box, [&](std::size_t i) {
+      return RoomTo(box.box.min, box.box.max, box.radius, i);
+    });
+    Expect(view, box.box, [&](std::size_t i) {
+      return RoomTo(box.box.min, box.box.max, 0, i);
+    });
+    Expect(view, sphere, [&](std::size_t i) {
+      return RoomTo(sphere.center, sphere.center, sphere.radius, i);
+    });
+  }
+
+ private:
+  using Exact = long double;
+
+  void Add(const List<kDims>& list, const RoundedBox<kDims>& box) {
+    std::array<float, kDims + 1> values;
+    for (float& value : values) value = random_.WithExponent(-2, 4);
+    values[kDims] = std::abs(random_.WithExponent(-4, 2));
+    // To where it just touches.
+    if (random_.Below(3) == 0 && !list.empty()) {
+      const auto& face =
+          list[random_.Below(static_cast<std::uint32_t>(list.size()))];
+      double sum = face.offset;
+      double squared = 0;
+      for (std::size_t k = 0; k < kDims; ++k) {
+        sum += double{face.normal[k]} * values[k];
+        squared += double{face.normal[k]} * face.normal[k];
+      }
+      values[kDims] = std::abs(static_cast<float>(
+          sum / std::sqrt(squared) * (1 + random_.WithExponent(-24, -16))));
+    } else if (random_.Below(2) == 0) {
+      Exact distance = 0;
+      for (std::size_t k = 0; k < kDims; ++k) {
+        distance += Square(Apart(values[k], box.box.min[k], box.box.max[k]));
+      }
+      values[kDims] = std::max(
+          0.f, static_cast<float>((std::sqrt(distance) - box.radius) *
+                                  (1 + random_.WithExponent(-24, -16))));
+    }
+    if (random_.Below(20) == 0)
+      values[random_.Below(kDims)] = random_.Special();
+    for (std::size_t p = 0; p <= kDims; ++p) planes_[p].push_back(values[p]);
+  }
+
+  static Exact Square(Exact x) { return x * x; }
+  static Exact Apart(Exact x, Exact low, Exact high) {
+    return std::max({low - x, x - high, Exact{0}});
+  }
+
+  // How far a sphere reaches beyond what it must touch, relative to the numbers
+  // that this is computed of. NaN if a number is no finite float.
+  Exact RoomIn(const List<kDims>& list, std::size_t i) const {
+    Exact least = 1;
+    // The axis-aligned ones are a box.
+    Exact size = planes_[kDims][i];
+    std::array<Exact, kDims> apart{};
+    for (const auto& face : list) {
+      Exact sum = face.offset;
+      Exact squared = 0;
+      Exact magnitude = std::abs(sum);
+      std::size_t components = 0;
+      std::size_t axis = 0;
+      for (std::size_t k = 0; k < kDims; ++k) {
+        const Exact term = Exact{face.normal[k]} * planes_[k][i];
+        sum += term;
+        magnitude += std::abs(term);
+        squared += Square(face.normal[k]);
+        if (face.normal[k] == 0) continue;
+        ++components;
+        axis = k;
+      }
+      // Components of very unlike sizes keep everything (bvh_shapes.h).
+      for (const float component : face.normal) {
+        if (component != 0 && Square(component) < squared * 0x1p-180L) {
+          return std::numeric_limits<Exact>::quiet_NaN();
+        }
+      }
+      const Exact length = std::sqrt(squared);
+      if (components == 1) {
+        apart[axis] = std::max(apart[axis], -sum / length);
+        size += magnitude / length;
+        if (std::isnan(size)) return size;
+        continue;
+      }
+      const Exact reach = length * planes_[kDims][i];
+      const Exact room = (sum + reach) / (magnitude + reach);
+      if (std::isnan(room)) return room;
+      least = std::min(least, room);
+    }
+    Exact squared = 0;
+    for (const Exact gap : apart) squared += Square(gap);
+    return std::min(
+        least, (planes_[kDims][i] - std::sqrt(squared)) / (size + 0x1p-60L));
+  }
+  Exact RoomTo(const Point<kDims>& low, const Point<kDims>& high, Exact radius,
+               std::size_t i) const {
+    Exact squared = 0;
+    for (std::size_t k = 0; k < kDims; ++k) {
+      squared += Square(Apart(planes_[k][i], low[k], high[k]));
+      if (!std::isfinite(planes_[k][i])) return planes_[k][i] * Exact{0};
+    }
+    const Exact reach = Exact{planes_[kDims][i]} + radius;
+    return (reach - std::sqrt(squared)) /
+           (reach + std::sqrt(squared) + 0x1p-60L);
+  }
+
+  template <typename Query, typename Room>
+  void Expect(const SphereView<kDims>& view, const Query& query,
+              const Room& room) {
+    const std::size_t words = MaskWords(view.size);
+    std::vector<std::uint64_t> expected(words);
+    SurvivorMask(view, query, expected, {.target = SupportedTargets().back()});
+    for (std::size_t i = 0; i < view.size; ++i) {
+      const Exact its_room = room(i);
+      if (its_room >= 0) {
+        ASSERT_TRUE(expected[i / 64] >> i % 64 & 1) << "object " << i;
+      } else if (its_room < -0x1p-16L) {
+        ASSERT_FALSE(expected[i / 64] >> i % 64 & 1) << "object " << i;
+      }
+    }
+    std::vector<std::uint64_t> mask(words);
+    for (const Target target : SupportedTargets()) {
+      SurvivorMask(view, query, mask, {.target = target});
+      ASSERT_EQ(mask, expected) << target.name();
+    }
+  }
+
+  SeededNumbers random_;
+  std::array<std::vector<float>, kDims + 1> planes_;
+};
+
+TEST(HalfSpacesTest, OfSpheres) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    SCOPED_TRACE(seed);
+    for (const std::size_t size : {1u, 63u, 64u, 65u, 127u, 300u, 1100u}) {
+#if !defined(HALFSPACE_TEST_ONLY_3D)
+      SpheresTest<2>(seed).Run(size);
+#endif
+      SpheresTest<3>(seed).Run(size);
+      if (::testing::Test::HasFatalFailure()) return;
     }
   }
 }
