@@ -15,7 +15,8 @@
 //                         max x y z D
 //
 // D is -(x + y + z) (bounds.h). Each function has two overloads, for one query
-// and for several. Those of boxes exist for doubles, too.
+// and for several. Those of boxes exist for doubles, too. Boxes, octahedra and
+// spheres also have one for half-spaces, below.
 //
 //   planes  planes[p][i] is the value of plane p of object i. The call reads
 //           values 0 ... n - 1 of each plane, and nothing else. A plane needs
@@ -60,6 +61,7 @@
 
 #include "halfspace/c/kernels.h"
 #include "halfspace/export.h"
+#include "halfspace/shapes.h"
 #include "halfspace/target.h"
 
 namespace halfspace {
@@ -99,6 +101,28 @@ HALFSPACE_DEFINE_SURVIVORS_OF(Octahedra3, hs_octahedron3)
 HALFSPACE_DEFINE_SURVIVORS_OF(Octahedra4, hs_octahedron4)
 #undef HALFSPACE_DEFINE_SURVIVORS_OF_DOUBLES
 #undef HALFSPACE_DEFINE_SURVIVORS_OF
+
+// The objects in front of all of up to 64 half-spaces, such as a frustum
+// (frustum.h). Planes of boxes and octahedra as above; of spheres d coordinates
+// of the center, and the radius, which must not be negative. reject_shapes.h
+// says which objects survive, and what it costs. Stack: 7 KiB.
+#define HALFSPACE_DEFINE_SURVIVORS_IN_FRONT(name, bound, dims)                \
+  inline void SurvivorsOf##name(const float* const* planes, std::size_t n,    \
+                                const HalfSpace<dims>* half_spaces,           \
+                                std::size_t count,                            \
+                                std::uint64_t* mask) noexcept {               \
+    static_assert(sizeof(HalfSpace<dims>) == (dims + 1) * sizeof(float),      \
+                  "half-spaces are read as a list of their values");          \
+    bound##_half_space_mask(                                                  \
+        planes, n, reinterpret_cast<const float*>(half_spaces), count, mask); \
+  }
+HALFSPACE_DEFINE_SURVIVORS_IN_FRONT(Boxes2, hs_box2, 2)
+HALFSPACE_DEFINE_SURVIVORS_IN_FRONT(Boxes3, hs_box3, 3)
+HALFSPACE_DEFINE_SURVIVORS_IN_FRONT(Octahedra2, hs_octahedron2, 2)
+HALFSPACE_DEFINE_SURVIVORS_IN_FRONT(Octahedra3, hs_octahedron3, 3)
+HALFSPACE_DEFINE_SURVIVORS_IN_FRONT(Spheres2, hs_sphere2, 2)
+HALFSPACE_DEFINE_SURVIVORS_IN_FRONT(Spheres3, hs_sphere3, 3)
+#undef HALFSPACE_DEFINE_SURVIVORS_IN_FRONT
 
 // The functions on planes of floats or doubles for one target, such as those
 // that a program compares, or that it keeps where it must not read what the

@@ -38,6 +38,10 @@ struct HalfSpaceQuery {
   std::uint8_t maxima;
 };
 
+// Called in the default floating-point mode.
+void MakeHalfSpaceQuery(const PlaneLayout& layout, const ShapeScan& shape,
+                        HalfSpaceQuery& query);
+
 // One kernel for any planes of floats, and for every enumerator of ScanKernel.
 // Its query is a HalfSpaceQuery.
 extern template struct KernelsOfAll<TargetKernels>;

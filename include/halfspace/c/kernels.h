@@ -14,7 +14,14 @@
 //   the same of boxes of doubles                  hs_box3_mask_of_doubles,
 //                                                 hs_box3_masks_of_doubles
 //
+//   SurvivorsOfBoxes3(planes, n, half_spaces,     hs_box3_half_space_mask
+//                     count, mask)
+//
 // The others are named hs_box, hs_simplex and hs_octahedron, with 2, 3 or 4.
+// Those for half-spaces are named hs_box, hs_octahedron and hs_sphere, with 2
+// or
+// 3. A half-space is d + 1 floats: its normal, which points to what is kept,
+// and its offset. hs_frustum_planes() (c/halfspace.h) makes those of a camera.
 // The library has them with and without HALFSPACE_C.
 #ifndef HALFSPACE_C_KERNELS_H_
 #define HALFSPACE_C_KERNELS_H_
@@ -57,6 +64,19 @@ HALFSPACE_DECLARE_MASKS(hs_octahedron2);
 HALFSPACE_DECLARE_MASKS(hs_octahedron3);
 HALFSPACE_DECLARE_MASKS(hs_octahedron4);
 
+#define HALFSPACE_DECLARE_HALF_SPACE_MASK(bound)                      \
+  HALFSPACE_API void bound##_half_space_mask(                         \
+      const float* const* planes, size_t n, const float* half_spaces, \
+      size_t count, uint64_t* mask) HALFSPACE_NOEXCEPT
+
+HALFSPACE_DECLARE_HALF_SPACE_MASK(hs_box2);
+HALFSPACE_DECLARE_HALF_SPACE_MASK(hs_box3);
+HALFSPACE_DECLARE_HALF_SPACE_MASK(hs_octahedron2);
+HALFSPACE_DECLARE_HALF_SPACE_MASK(hs_octahedron3);
+HALFSPACE_DECLARE_HALF_SPACE_MASK(hs_sphere2);
+HALFSPACE_DECLARE_HALF_SPACE_MASK(hs_sphere3);
+
+#undef HALFSPACE_DECLARE_HALF_SPACE_MASK
 #undef HALFSPACE_DECLARE_MASKS_OF_DOUBLES
 #undef HALFSPACE_DECLARE_MASKS
 #undef HALFSPACE_NOEXCEPT

@@ -9,8 +9,10 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
+#include "halfspace/kernels.h"
 #include "halfspace/reject_shapes.h"
 #include "halfspace/targets.h"
 #include "tests/library/bvh/shape_reference.h"
@@ -71,6 +73,36 @@ void MoveToFace(const HalfSpace<kDims>& face, const Layout& layout,
       value * (1 + random.WithExponent(-24, -14));
 }
 
+// The calls of kernels.h, on the chosen target.
+template <int kDims, typename View>
+std::vector<std::uint64_t> Unchecked(const View& view,
+                                     const List<kDims>& list) {
+  std::vector<std::uint64_t> mask(MaskWords(view.size), 1);
+  const HalfSpace<kDims>* const data = list.data();
+  if constexpr (std::is_same_v<View, AabbView<2>>) {
+    SurvivorsOfBoxes2(view.min.data(), view.size, data, list.size(),
+                      mask.data());
+  } else if constexpr (std::is_same_v<View, AabbView<3>>) {
+    SurvivorsOfBoxes3(view.min.data(), view.size, data, list.size(),
+                      mask.data());
+  } else if constexpr (std::is_same_v<View, AaboView<2>>) {
+    SurvivorsOfOctahedra2(view.min.data(), view.size, data, list.size(),
+                          mask.data());
+  } else if constexpr (std::is_same_v<View, AaboView<3>>) {
+    SurvivorsOfOctahedra3(view.min.data(), view.size, data, list.size(),
+                          mask.data());
+  } else if constexpr (std::is_same_v<View, SphereView<2>>) {
+    SurvivorsOfSpheres2(view.center.data(), view.size, data, list.size(),
+                        mask.data());
+  } else if constexpr (std::is_same_v<View, SphereView<3>>) {
+    SurvivorsOfSpheres3(view.center.data(), view.size, data, list.size(),
+                        mask.data());
+  } else {
+    SurvivorMask(view, list, mask);  // kernels.h has none for simplices
+  }
+  return mask;
+}
+
 template <typename AnyWorld>
 void ExpectKeeps(std::uint64_t seed) {
   using Bound = typename AnyWorld::Bound;
@@ -113,6 +145,9 @@ void ExpectKeeps(std::uint64_t seed) {
       world.Push(bound);
       expected.push_back(reference.Keeps(planes));
     }
+    std::vector<std::uint64_t> all(MaskWords(size));
+    SurvivorMask(world, list, all);
+    EXPECT_EQ(Unchecked<kDims>(world.view(), list), all);
     const Range range{random.Below(2) * size / 3, size};
     std::vector<std::uint64_t> mask(MaskWords(size));
     for (const Target target : SupportedTargets()) {
@@ -282,6 +317,9 @@ class SpheresTest {
     for (const Target target : SupportedTargets()) {
       SurvivorMask(view, query, mask, {.target = target});
       ASSERT_EQ(mask, expected) << target.name();
+    }
+    if constexpr (std::is_same_v<Query, List<kDims>>) {
+      EXPECT_EQ(Unchecked<kDims>(view, query), expected);
     }
   }
 
