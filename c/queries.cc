@@ -14,6 +14,7 @@
 #include "halfspace/bvh.h"
 #include "halfspace/bvh_nearest.h"
 #include "halfspace/bvh_shapes.h"
+#include "halfspace/frustum.h"
 #include "halfspace/triangles.h"
 
 namespace halfspace::c {
@@ -59,6 +60,12 @@ struct Queries {
         kind = dims == 2 ? &detail::kShapeKind<AabbView2, RoundedBox<2>>
                          : &detail::kShapeKind<AabbView3, RoundedBox<3>>;
         break;
+      case HS_SHAPE_HALF_SPACES:
+        values = Values::OfColumns(dims + 1);
+        kind = dims == 2
+                   ? &detail::kShapeKind<AabbView2, Span<const HalfSpace<2>>>
+                   : &detail::kShapeKind<AabbView3, Span<const HalfSpace<3>>>;
+        break;
       default:
         call.Fail(HS_INVALID_ARGUMENT, "options->shape",
                   "expected an enumerator of hs_shape, got %d",
@@ -67,6 +74,8 @@ struct Queries {
     CheckColumns(call, "queries", queries, values);
     if (kind != nullptr) CheckFloats(call, "queries", *queries);
     columns = queries;
+    count = queries->count;
+    if (read.shape == HS_SHAPE_HALF_SPACES) ReadHalfSpaces(call, dims);
   }
 
   // Those from row q on.
@@ -77,7 +86,11 @@ struct Queries {
   // Calls run(rows, begin, count).
   template <typename Function>
   void ForEach(const Function& run) const {
-    ForEachRows(*columns, values, run);
+    if (list != nullptr) {
+      run(static_cast<const float*>(list), 0, 1);
+    } else {
+      ForEachRows(*columns, values, run);
+    }
   }
 
   QueryOptions search;
@@ -85,6 +98,36 @@ struct Queries {
   Values values;
   const detail::BvhShapeKind* kind = nullptr;
   const hs_columns* columns = nullptr;
+  std::size_t count;
+
+ private:
+  // All rows are one query.
+  void ReadHalfSpaces(const Call& call, std::size_t dims) {
+    if (columns->count > detail::kMostHalfSpaces) {
+      call.Fail(HS_INVALID_ARGUMENT, "queries->count",
+                "expected at most %zu half-spaces, got %zu",
+                detail::kMostHalfSpaces, columns->count);
+    }
+    ForEachRows(*columns, values,
+                [&](const float* rows, std::size_t, std::size_t some) {
+                  std::copy_n(rows, some * values.count, half_spaces.data());
+                });
+    count = 1;
+    if (dims == 2) {
+      of_2 = {reinterpret_cast<const HalfSpace<2>*>(half_spaces.data()),
+              columns->count};
+      list = &of_2;
+    } else {
+      of_3 = {reinterpret_cast<const HalfSpace<3>*>(half_spaces.data()),
+              columns->count};
+      list = &of_3;
+    }
+  }
+
+  std::array<float, 4 * detail::kMostHalfSpaces> half_spaces;
+  Span<const HalfSpace<2>> of_2;
+  Span<const HalfSpace<3>> of_3;
+  const void* list = nullptr;  // one of the two
 };
 
 SearchOptions ReadSearch(const Call& call, const hs_query_options* options) {
@@ -152,7 +195,7 @@ hs_status CountAll(const char* name, const World* world,
                    std::size_t* counts) {
   return Run(name, [&](const Call& call) {
     const Queries queries(call, world, columns, options);
-    call.CheckArray("counts", counts, columns->count);
+    call.CheckArray("counts", counts, queries.count);
     queries.ForEach(
         [&](const float* rows, std::size_t begin, std::size_t count) {
           if constexpr (kIsBvh<World>) {
@@ -181,7 +224,7 @@ hs_status AnyOfEach(const char* name, const World* world,
                     std::uint32_t* ids) {
   return Run(name, [&](const Call& call) {
     const Queries queries(call, world, columns, options);
-    call.CheckArray("ids", ids, columns->count);
+    call.CheckArray("ids", ids, queries.count);
     queries.ForEach(
         [&](const float* rows, std::size_t begin, std::size_t count) {
           for (std::size_t q = 0; q < count; ++q) {
@@ -785,4 +828,29 @@ hs_status hs_bvh_closest_points(const hs_bvh* bvh, const hs_columns* points,
                                 float* closest, float* distances) {
   return ClosestPoints(bvh, points, triangles, max_distance, options, ids,
                        closest, distances);
+}
+
+hs_status hs_frustum_planes(const float* matrix, hs_clip_depth depth,
+                            hs_matrix_order order, float* half_spaces) {
+  return halfspace::c::Run(
+      "hs_frustum_planes", [&](const halfspace::c::Call& call) {
+        call.CheckArray("matrix", matrix, 16);
+        call.CheckArray("half_spaces", half_spaces, 12 * 4);
+        const auto check = [&](const char* argument, int value,
+                               const char* type) {
+          if (value == 0 || value == 1) return;
+          call.Fail(HS_INVALID_ARGUMENT, argument,
+                    "expected an enumerator of %s, got %d", type, value);
+        };
+        check("depth", static_cast<int>(depth), "hs_clip_depth");
+        check("order", static_cast<int>(order), "hs_matrix_order");
+        const halfspace::Frustum3 frustum = halfspace::FrustumPlanes(
+            matrix, static_cast<halfspace::ClipDepth>(depth),
+            static_cast<halfspace::MatrixOrder>(order));
+        for (const halfspace::HalfSpace3& side : frustum) {
+          half_spaces =
+              std::copy(side.normal.begin(), side.normal.end(), half_spaces);
+          *half_spaces++ = side.offset;
+        }
+      });
 }

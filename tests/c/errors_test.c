@@ -380,6 +380,7 @@ static void test_bodies(void) {
   hs_query_options query;
   hs_body_statistics statistics;
   static char bytes[4096];
+  static float many[65 * 3];
   float record[4];
   uint32_t id = 0;
   size_t size = 0;
@@ -408,9 +409,22 @@ static void test_bodies(void) {
           "outward, got HS_FLOAT64");
   INVALID(hs_broad_phase_count, (bodies, &motions, &query, &size),
           "radius: expected a number that is not negative, got -1");
-  query.shape = (hs_shape)4;
+  query.shape = (hs_shape)5;
   INVALID(hs_broad_phase_any, (bodies, &motions, &query, &id),
-          "options->shape: expected an enumerator of hs_shape, got 4");
+          "options->shape: expected an enumerator of hs_shape, got 5");
+  query.shape = HS_SHAPE_HALF_SPACES;
+  one = hs_float_rows(many, 65, 3);
+  INVALID(hs_broad_phase_any, (bodies, &one, &query, &id),
+          "queries->count: expected at most 64 half-spaces, got 65");
+  NOT_NULL(hs_frustum_planes, (NULL, HS_CLIP_ZERO_TO_ONE, HS_ROW_MAJOR, many),
+           "matrix");
+  NOT_NULL(hs_frustum_planes, (many, HS_CLIP_ZERO_TO_ONE, HS_ROW_MAJOR, NULL),
+           "half_spaces");
+  INVALID(hs_frustum_planes, (many, (hs_clip_depth)2, HS_ROW_MAJOR, many),
+          "depth: expected an enumerator of hs_clip_depth, got 2");
+  INVALID(hs_frustum_planes,
+          (many, HS_CLIP_ZERO_TO_ONE, (hs_matrix_order)2, many),
+          "order: expected an enumerator of hs_matrix_order, got 2");
   query.shape = HS_SHAPE_BOUND;
   one = hs_float_rows(boxes, 1, 4);
   INVALID(hs_broad_phase_spherecast, (bodies, &motions, &one, NULL, &id, NULL),

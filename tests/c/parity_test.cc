@@ -511,7 +511,7 @@ template <typename Functions, typename World, typename Query>
 void CheckQueries(const World& world, const typename Functions::Handle* handle,
                   const hs_columns& columns, const std::vector<Query>& queries,
                   hs_shape shape, std::uint32_t mask) {
-  const std::size_t count = columns.count;
+  const std::size_t count = shape == HS_SHAPE_HALF_SPACES ? 1 : columns.count;
   hs_query_options options = DefaultsOf(&hs_query_options_default);
   options.shape = shape;
   options.mask = mask;
@@ -720,6 +720,15 @@ void CheckSearches(const World& world, const typename Functions::Handle* handle,
     }
   }
 
+  // The rows are one query.
+  const Records sides = RandomNumbers(5, kDims + 1, 26, 0.5);
+  for (std::uint32_t mask : {kAll, 6u}) {
+    CheckQueries<Functions>(world, handle, sides.In(kRows),
+                            std::vector<std::vector<HalfSpace<kDims>>>(
+                                1, Structs<HalfSpace<kDims>>(sides)),
+                            HS_SHAPE_HALF_SPACES, mask);
+  }
+
   const auto as_boxes = Structs<Aabb<kDims>>(boxes);
   for (Form form : kForms) {
     const hs_columns of_boxes = boxes.In(form);
@@ -821,6 +830,24 @@ void CheckSearches(const World& world, const typename Functions::Handle* handle,
           return PairsOf(world, ids, pairs, options);
         },
         wanted);
+  }
+}
+
+void TestFrustum() {
+  const Records numbers = RandomNumbers(1, 16, 27);
+  std::array<float, 16> matrix{};
+  std::copy_n(numbers.row(0), 16, matrix.begin());
+  for (int depth = 0; depth < 2; ++depth) {
+    for (int order = 0; order < 2; ++order) {
+      const Frustum3 expected =
+          FrustumPlanes(matrix.data(), static_cast<ClipDepth>(depth),
+                        static_cast<MatrixOrder>(order));
+      std::array<float, 48> half_spaces{};
+      CHECK_OK(hs_frustum_planes(
+          matrix.data(), static_cast<hs_clip_depth>(depth),
+          static_cast<hs_matrix_order>(order), half_spaces.data()));
+      CHECK(memcmp(half_spaces.data(), expected.data(), sizeof(expected)) == 0);
+    }
   }
 }
 
@@ -1318,4 +1345,5 @@ extern "C" void test_parity(void) {
   TestKind<SimplexView2>();
   TestKind<SimplexView3>();
   TestTriangles();
+  TestFrustum();
 }

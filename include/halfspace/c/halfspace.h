@@ -559,15 +559,39 @@ HALFSPACE_API hs_status hs_bvh_cost_ratio(const hs_bvh* bvh, double* ratio);
 // means a body.
 
 // The type of the queries of ..._query(), ..._count(), ..._any() and
-// ..._probe(). Points, spheres and rounded boxes must be floats.
+// ..._probe(). Those that are no bounds must be floats.
 // bvh_shapes.h says which objects survive them.
 typedef enum hs_shape HALFSPACE_INT {
-  HS_SHAPE_BOUND = 0,       // a record of the kind of the objects
-  HS_SHAPE_POINT = 1,       // d columns
-  HS_SHAPE_SPHERE = 2,      // d + 1 columns: the center and the radius
-  HS_SHAPE_ROUNDED_BOX = 3  // 2 d + 1 columns: the minima, the maxima and the
-                            // distance from this box
+  HS_SHAPE_BOUND = 0,        // a record of the kind of the objects
+  HS_SHAPE_POINT = 1,        // d columns
+  HS_SHAPE_SPHERE = 2,       // d + 1 columns: the center and the radius
+  HS_SHAPE_ROUNDED_BOX = 3,  // 2 d + 1 columns: the minima, the maxima and the
+                             // distance from this box
+  HS_SHAPE_HALF_SPACES = 4   // d + 1 columns: the normal and the offset. All
+                             // rows together, at most 64, are one query: the
+                             // region in front of all of them
 } hs_shape;
+
+// Writes the half-spaces of a camera, for one query of HS_SHAPE_HALF_SPACES or
+// for c/kernels.h: 12 rows of 4 floats. `matrix` has 16 floats. frustum.h says
+// what the arguments mean, and that there are no points of the frustum behind
+// the half-spaces.
+//
+//   float seen[12 * 4];
+//   hs_frustum_planes(matrix, HS_CLIP_ZERO_TO_ONE, HS_COLUMN_MAJOR, seen);
+//   hs_columns query = hs_float_rows(seen, 12, 4);
+typedef enum hs_clip_depth HALFSPACE_INT {
+  HS_CLIP_MINUS_ONE_TO_ONE = 0,  // OpenGL
+  HS_CLIP_ZERO_TO_ONE = 1        // Direct3D, Vulkan, Metal, WebGPU
+} hs_clip_depth;
+typedef enum hs_matrix_order HALFSPACE_INT {
+  HS_COLUMN_MAJOR = 0,  // also a matrix for row vectors that is stored by rows
+  HS_ROW_MAJOR = 1
+} hs_matrix_order;
+HALFSPACE_API hs_status hs_frustum_planes(const float* matrix,
+                                          hs_clip_depth depth,
+                                          hs_matrix_order order,
+                                          float* half_spaces);
 
 typedef struct hs_query_options {
   size_t struct_size;
