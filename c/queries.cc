@@ -74,7 +74,7 @@ struct Queries {
     CheckColumns(call, "queries", queries, values);
     if (kind != nullptr) CheckFloats(call, "queries", *queries);
     columns = queries;
-    count = queries->count;
+    query_count = queries->count;
     if (read.shape == HS_SHAPE_HALF_SPACES) ReadHalfSpaces(call, dims);
   }
 
@@ -98,7 +98,7 @@ struct Queries {
   Values values;
   const detail::BvhShapeKind* kind = nullptr;
   const hs_columns* columns = nullptr;
-  std::size_t count;
+  std::size_t query_count;
 
  private:
   // All rows are one query.
@@ -112,7 +112,7 @@ struct Queries {
                 [&](const float* rows, std::size_t, std::size_t some) {
                   std::copy_n(rows, some * values.count, half_spaces.data());
                 });
-    count = 1;
+    query_count = 1;
     if (dims == 2) {
       of_2 = {reinterpret_cast<const HalfSpace<2>*>(half_spaces.data()),
               columns->count};
@@ -195,7 +195,7 @@ hs_status CountAll(const char* name, const World* world,
                    std::size_t* counts) {
   return Run(name, [&](const Call& call) {
     const Queries queries(call, world, columns, options);
-    call.CheckArray("counts", counts, queries.count);
+    call.CheckArray("counts", counts, queries.query_count);
     queries.ForEach(
         [&](const float* rows, std::size_t begin, std::size_t count) {
           if constexpr (kIsBvh<World>) {
@@ -224,7 +224,7 @@ hs_status AnyOfEach(const char* name, const World* world,
                     std::uint32_t* ids) {
   return Run(name, [&](const Call& call) {
     const Queries queries(call, world, columns, options);
-    call.CheckArray("ids", ids, queries.count);
+    call.CheckArray("ids", ids, queries.query_count);
     queries.ForEach(
         [&](const float* rows, std::size_t begin, std::size_t count) {
           for (std::size_t q = 0; q < count; ++q) {

@@ -21,19 +21,16 @@ void MakeHalfSpaceQuery(const PlaneLayout& layout, const ShapeScan& shape,
   HalfSpaceTests& tests = query.tests;
   MakeHalfSpaceTests(layout, shape.half_spaces, shape.count, tests);
   query.rejects_all = false;
-  std::uint8_t listed = 0;
-  query.end[0] = 0;
-  for (std::size_t terms = 1; terms <= kMostTerms; ++terms) {
-    for (std::size_t f = 0; f < tests.count; ++f) {
-      if (tests.test[f].terms != terms) continue;
-      query.order[listed++] = static_cast<std::uint8_t>(f);
-    }
-    query.end[terms] = listed;
-  }
+  query.terms = layout.has_max ? layout.dims : layout.plane_count;
+  query.front_count = 0;
   for (std::size_t f = 0; f < tests.count; ++f) {
     HalfSpaceTest& test = tests.test[f];
-    query.rejects_all |= test.terms == 0 && test.offset < 0;
-    for (std::size_t t = test.terms; t < kMostTerms; ++t) {
+    if (test.terms == 0) {
+      query.rejects_all |= test.offset < 0;
+      continue;
+    }
+    query.front[query.front_count++] = static_cast<std::uint8_t>(f);
+    for (std::size_t t = test.terms; t < query.terms; ++t) {
       test.term[t].plane = test.term[0].plane;
     }
   }

@@ -61,10 +61,12 @@
 
 #include "halfspace/c/kernels.h"
 #include "halfspace/export.h"
-#include "halfspace/shapes.h"
 #include "halfspace/target.h"
 
 namespace halfspace {
+
+template <int kDims, typename Scalar>
+struct HalfSpace;  // shapes.h
 
 #define HALFSPACE_DEFINE_SURVIVORS_OF(name, bound)                         \
   inline void SurvivorsOf##name(const float* const* planes, std::size_t n, \
@@ -105,14 +107,12 @@ HALFSPACE_DEFINE_SURVIVORS_OF(Octahedra4, hs_octahedron4)
 // The objects in front of all of up to 64 half-spaces, such as a frustum
 // (frustum.h). Planes of boxes and octahedra as above; of spheres d coordinates
 // of the center, and the radius, which must not be negative. reject_shapes.h
-// says which objects survive, and what it costs. Stack: 7 KiB.
+// says which objects survive, and what it costs. Stack: 10 KiB.
 #define HALFSPACE_DEFINE_SURVIVORS_IN_FRONT(name, bound, dims)                \
   inline void SurvivorsOf##name(const float* const* planes, std::size_t n,    \
-                                const HalfSpace<dims>* half_spaces,           \
+                                const HalfSpace<dims, float>* half_spaces,    \
                                 std::size_t count,                            \
                                 std::uint64_t* mask) noexcept {               \
-    static_assert(sizeof(HalfSpace<dims>) == (dims + 1) * sizeof(float),      \
-                  "half-spaces are read as a list of their values");          \
     bound##_half_space_mask(                                                  \
         planes, n, reinterpret_cast<const float*>(half_spaces), count, mask); \
   }

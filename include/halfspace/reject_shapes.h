@@ -9,8 +9,8 @@
 //
 // This header adds to the calls of reject.h:
 //   - a type of query: any list of up to 64 HalfSpace<d> (shapes.h), for a view
-//     or an owning world of floats in 2 or 3 dimensions. frustum.h makes that of
-//     a camera;
+//     or an owning world of floats in 2 or 3 dimensions. frustum.h makes that
+//     of a camera;
 //   - a type of view: SphereView<d>, for queries by such a list, an Aabb<d>, a
 //     RoundedBox<d> or a Sphere<d>.
 // The schedule of the options has no effect.
@@ -18,8 +18,8 @@
 // A bound survives if its corner that is foremost along the normal of each
 // half-space is in front of it. For an AABO it is the corner of its box. These
 // are the objects that the queries of bvh_shapes.h find. bvh_shapes.h says what
-// is exact, and what half-spaces with a NaN, an infinity or a tiny component do.
-// An empty list of half-spaces keeps every object.
+// is exact, and what half-spaces with a NaN, an infinity or a tiny component
+// do. An empty list of half-spaces keeps every object.
 //
 // A large object can be behind no half-space and yet outside, near a corner of
 // the region. Add the sides of an axis-aligned box around the region, as
@@ -29,8 +29,9 @@
 // A sphere survives if it reaches in front of each half-space, and if its
 // distance from the box, or the center, is at most the sum of the radii. The
 // axis-aligned half-spaces of a list are such a box. No sphere that touches the
-// exact shape is rejected, in any floating-point mode. Spheres closer than about
-// 2^-17 of the sizes involved can survive. All targets return the same spheres.
+// exact shape is rejected, in any floating-point mode. Spheres closer than
+// about 2^-17 of the sizes involved can survive. All targets return the same
+// spheres.
 //
 // Errors: as RejectMask() in reject.h. There must be at most 64 half-spaces,
 // and the pointer to them must not be null or misaligned. The radius of a query
@@ -40,7 +41,7 @@
 // underflow and invalid. A program that enables floating-point traps must
 // disable these four during a call.
 //
-// Thread safety: as in reject.h, with 6 KiB more stack.
+// Thread safety: as in reject.h, with 9 KiB more stack.
 //
 // Cost: three multiply-adds an object and half-space (a sphere: four), and a
 // compare an axis-aligned one. `./bench.sh --details culling` compares it with
@@ -73,7 +74,7 @@ namespace halfspace {
 template <int kDims>
 struct SphereView {
   static_assert(kDims == 2 || kDims == 3, "spheres have 2 or 3 dimensions");
-  std::array<const float*, kDims> center{};
+  std::array<const float*, static_cast<std::size_t>(kDims)> center{};
   const float* radius = nullptr;
   std::size_t size = 0;
 
@@ -134,8 +135,8 @@ Scan SphereScanOf(const SphereView<kDims>& view) {
   Scan scan;
   scan.type = &kSphereType<kDims>;
   scan.planes = view.center.data();
-  scan.addresses =
-      AddressesOf(view.center.data(), std::make_index_sequence<kDims + 1>());
+  scan.addresses = AddressesOf(
+      view.center.data(), std::make_index_sequence<std::size_t{kDims} + 1>());
   scan.size = view.size;
   scan.queries = nullptr;
   scan.query_count = 0;

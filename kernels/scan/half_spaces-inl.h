@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 #include "hwy/highway.h"
@@ -92,6 +93,14 @@ HWY_NOINLINE uint64_t HalfSpaceWord(const float* const* planes,
   return bits & ~(~uint64_t{0} << count);
 }
 
+// A test with the pointers that it reads: found once for a call, as a chain of
+// loads before each sum doubled its time.
+struct FrontTest {
+  const float* plane[detail::kMostTerms];
+  float factor[detail::kMostTerms];
+  float offset;
+};
+
 // Lowers each of `least`, of objects i, i + lanes, ..., to the sum of its
 // vector. Sums are compared as integers, because few cores compare and multiply
 // floats at the same time. Of several negative sums the nearest to 0 is the
@@ -99,12 +108,10 @@ HWY_NOINLINE uint64_t HalfSpaceWord(const float* const* planes,
 template <size_t... kVector, size_t... kTerm, class D, class... V>
 HWY_INLINE void AddSums(std::index_sequence<kVector...>,
                         std::index_sequence<kTerm...>, D d,
-                        const float* const* planes,
-                        const detail::HalfSpaceTest& test, size_t i,
-                        V&... least) {
+                        const FrontTest& test, size_t i, V&... least) {
   const hn::RebindToSigned<D> di;
   const size_t lanes = hn::Lanes(d);
-  const float* const from[] = {planes[test.term[kTerm].plane] + i...};
+  const float* const from[] = {test.plane[kTerm] + i...};
   const auto sum_of = [&](size_t vector, auto... factor) HWY_ATTR {
     auto sum = hn::Set(d, test.offset);
     ((sum =
@@ -112,51 +119,51 @@ HWY_INLINE void AddSums(std::index_sequence<kVector...>,
      ...);
     return hn::BitCast(di, sum);
   };
-  ((least =
-        hn::Min(least, sum_of(kVector, hn::Set(d, test.term[kTerm].more)...))),
+  ((least = hn::Min(least, sum_of(kVector, hn::Set(d, test.factor[kTerm])...))),
    ...);
 }
 
-// Tests first ... end - 1 in their order.
-template <size_t kTerms, class D, class... V>
-HWY_INLINE void AddTests(D d, const float* const* planes,
-                         const detail::HalfSpaceQuery& query, size_t first,
-                         size_t end, size_t i, V&... least) {
-  end = HWY_MIN(end, query.end[kTerms]);
-  for (size_t f = HWY_MAX(first, query.end[kTerms - 1]); f < end; ++f) {
-    AddSums(std::index_sequence_for<V...>(), std::make_index_sequence<kTerms>(),
-            d, planes, query.tests.test[query.order[f]], i, least...);
+// Raises `most` to the bits of `count` floats, at least 64, as integers.
+template <class D, class V>
+HWY_INLINE V Raised(D d, const float* from, size_t count, V most) {
+  const hn::Repartition<float, D> df;
+  const size_t lanes = hn::Lanes(d);
+  // Each maximum waits for the one before.
+  V other = most;
+  size_t i = 0;
+  for (; i + 2 * lanes <= count; i += 2 * lanes) {
+    most = hn::Max(most, hn::BitCast(d, hn::LoadU(df, from + i)));
+    other = hn::Max(other, hn::BitCast(d, hn::LoadU(df, from + i + lanes)));
   }
+  for (; i < count; i += lanes) {
+    i = HWY_MIN(i, count - lanes);
+    most = hn::Max(most, hn::BitCast(d, hn::LoadU(df, from + i)));
+  }
+  return hn::Max(most, other);
 }
 
-// Raises each of `most` to twice the bits of its vector without the sign, so
-// that a NaN is the greatest.
-template <size_t... kVector, class D, class... V>
-HWY_INLINE void Raise(std::index_sequence<kVector...>, D d, const float* plane,
-                      V&... most) {
-  const hn::RebindToUnsigned<D> du;
-  const auto twice = [&](size_t vector) HWY_ATTR {
-    const auto v = hn::BitCast(du, hn::LoadU(d, plane + vector * hn::Lanes(d)));
-    return hn::Add(v, v);
-  };
-  ((most = hn::Max(most, twice(kVector))), ...);
-}
-
-// The slack of the sums of all vectors.
-template <class Vectors, class D, class V, class... Vs>
-HWY_INLINE hn::Vec<D> Slack(Vectors vectors, D d, const float* const* planes,
-                            const detail::HalfSpaceQuery& query, size_t i,
-                            V most, Vs... mosts) {
-  ((mosts = most), ...);
-  for (size_t p = 0; p < query.minima; ++p) {
-    Raise(vectors, d, planes[p] + i, mosts...);
-  }
+// The slack of the sums of objects begin ... begin + count - 1. Of the bits of
+// floats as signed integers the greatest is the greatest number, and as
+// unsigned ones that of the least, if any is negative, or a NaN.
+HWY_NOINLINE float Slack(const float* const* planes,
+                         const detail::HalfSpaceQuery& query, size_t begin,
+                         size_t count) {
+  const hn::RebindToSigned<WordTag<float>> di;
+  const hn::RebindToUnsigned<WordTag<float>> du;
+  auto high = hn::Zero(di);
+  auto low = hn::Zero(du);
   for (size_t p = 0; p < query.maxima; ++p) {
-    Raise(vectors, d, planes[query.tests.max_plane + p] + i, mosts...);
+    high = Raised(di, planes[query.tests.max_plane + p] + begin, count, high);
   }
-  ((most = hn::Max(most, mosts)), ...);
-  return hn::MulAdd(hn::BitCast(d, hn::ShiftRight<1>(most)),
-                    hn::Set(d, detail::kSumSlack), hn::Set(d, 0x1p-110f));
+  for (size_t p = 0; p < query.minima; ++p) {
+    low = Raised(du, planes[p] + begin, count, low);
+  }
+  const WordTag<float> d;
+  const auto most =
+      hn::Max(high, hn::BitCast(di, hn::Abs(hn::BitCast(d, low))));
+  return hn::GetLane(hn::BitCast(d, hn::MaxOfLanes(di, most))) *
+             detail::kSumSlack +
+         0x1p-110f;
 }
 
 template <size_t... kVector, class D, class V, class... Vs>
@@ -172,41 +179,45 @@ HWY_INLINE uint64_t BitsFrom(std::index_sequence<kVector...>, D d, V limit,
                  << (kVector * hn::Lanes(d))));
 }
 
+// Bits of the lanes in which all of `sums` are negative.
+template <class D, class V, class... Vs>
+HWY_INLINE uint64_t AllNegative(D d, V sums, Vs... more) {
+  ((sums = hn::And(sums, more)), ...);
+  return LaneBits(d, hn::Lt(sums, hn::Zero(d)));
+}
+
 // The objects that are not behind a half-space. `unknown` are those that
 // HalfSpaceWord() has to decide about.
-template <class D, class... V>
-HWY_INLINE uint64_t FrontBits(D d, const float* const* planes,
-                              const detail::HalfSpaceQuery& query, size_t i,
+template <size_t kTerms, class D, class... V>
+HWY_INLINE uint64_t FrontBits(D d, const FrontTest* tests, size_t count,
+                              size_t i, float its_slack, size_t* exits,
                               uint64_t& unknown, V... least) {
   constexpr std::index_sequence_for<V...> kVectors;
-  const hn::RebindToUnsigned<D> du;
-  const uint64_t all =
-      ~uint64_t{0} >> (kWordObjects - sizeof...(V) * hn::Lanes(d));
-  auto slack = hn::Set(d, query.slack);
-  if (!(query.slack < std::numeric_limits<float>::infinity())) {
-    slack = Slack(kVectors, d, planes, query, i, hn::Zero(du),
-                  hn::BitCast(du, least)...);
-  }
+  const hn::RebindToSigned<D> di;
+  const size_t lanes = hn::Lanes(d);
+  const uint64_t all = ~uint64_t{0} >> (kWordObjects - sizeof...(V) * lanes);
+  const auto slack = hn::Set(d, its_slack);
   const auto below = hn::Neg(slack);
-  // Halfway there may be none left, which neighbours have in common.
-  const size_t count = query.end[detail::kMostTerms];
-  uint64_t behind = 0;
-  size_t first = 0;
-  for (size_t end = (count + 1) / 2;; end = count) {
-    AddTests<1>(d, planes, query, first, end, i, least...);
-    AddTests<2>(d, planes, query, first, end, i, least...);
-    AddTests<3>(d, planes, query, first, end, i, least...);
-    AddTests<4>(d, planes, query, first, end, i, least...);
-    behind = BitsBelow(kVectors, d, below, least...);
-    first = end;
-    if (first == count || behind == all) break;
+  for (size_t f = 0; f < count; ++f) {
+    AddSums(kVectors, std::make_index_sequence<kTerms>(), d, tests[f], i,
+            least...);
+    if (exits != nullptr && f == count / 2 &&
+        AllNegative(di, least...) == ~uint64_t{0} >> (kWordObjects - lanes) &&
+        BitsBelow(kVectors, d, below, least...) == all) {
+      *exits += sizeof...(V) * lanes;
+      break;
+    }
   }
+  const uint64_t behind = BitsBelow(kVectors, d, below, least...);
   unknown = ~(behind | BitsFrom(kVectors, d, slack, least...)) & all;
   return all & ~behind;
 }
 
+template <size_t kTerms>
 HWY_INLINE uint64_t FrontWord(const float* const* planes,
-                              const detail::HalfSpaceQuery& query, size_t i) {
+                              const FrontTest* tests,
+                              const detail::HalfSpaceQuery& query, size_t i,
+                              float slack, size_t* exits) {
   const WordTag<float> d;
   const hn::RebindToSigned<decltype(d)> di;
   const auto most = hn::Set(di, 0x7fffffff);
@@ -215,7 +226,9 @@ HWY_INLINE uint64_t FrontWord(const float* const* planes,
 #if HWY_HAVE_SCALABLE
   for (size_t l = 0; l < kWordObjects; l += hn::Lanes(d)) {
     uint64_t some;
-    bits |= FrontBits(d, planes, query, i + l, some, most) << l;
+    bits |= FrontBits<kTerms>(d, tests, query.front_count, i + l, slack, exits,
+                              some, most)
+            << l;
     unknown |= some << l;
   }
 #else
@@ -225,10 +238,12 @@ HWY_INLINE uint64_t FrontWord(const float* const* planes,
   for (size_t l = 0; l < kWordObjects; l += kVectors * kLanes) {
     uint64_t some;
     if constexpr (kVectors == 8) {
-      bits |= FrontBits(d, planes, query, i + l, some, most, most, most, most,
-                        most, most, most, most);
+      bits |= FrontBits<kTerms>(d, tests, query.front_count, i + l, slack,
+                                exits, some, most, most, most, most, most, most,
+                                most, most);
     } else {
-      bits |= FrontBits(d, planes, query, i + l, some, most, most, most, most)
+      bits |= FrontBits<kTerms>(d, tests, query.front_count, i + l, slack,
+                                exits, some, most, most, most, most)
               << l;
     }
     unknown |= some << l;
@@ -265,8 +280,9 @@ HWY_NOINLINE void NearWords(const float* const* planes,
 
 // Objects begin ... begin + count - 1, at least 64 and at most a tile, in plain
 // order: those that touch the box, and then those of them in front.
-void FrontWords(const float* const* planes, const detail::HalfSpaceQuery& query,
-                size_t begin, size_t count, uint64_t* words) {
+void FrontWords(const float* const* planes, const FrontTest* tests,
+                const detail::HalfSpaceQuery& query, size_t begin, size_t count,
+                size_t* exits, uint64_t* words) {
   const size_t dims = query.tests.box_dims;
   const float* of_box[6];
   for (size_t k = 0; k < dims; ++k) {
@@ -284,27 +300,59 @@ void FrontWords(const float* const* planes, const detail::HalfSpaceQuery& query,
       words[i / kWordObjects] = ~uint64_t{0} >> PastWord(count, i);
     }
   }
-  if (query.tests.count == 0) return;
-  for (size_t i = 0; i < count; i += kWordObjects) {
-    uint64_t& word = words[i / kWordObjects];
-    if (word == 0) continue;
-    const size_t past = PastWord(count, i);
-    word &= FrontWord(planes, query, begin + i - past) >> past;
+  if (query.front_count == 0) return;
+  const float slack = query.slack < std::numeric_limits<float>::infinity()
+                          ? query.slack
+                          : Slack(planes, query, begin, count);
+  const auto test = [&](auto terms) HWY_ATTR {
+    for (size_t i = 0; i < count; i += kWordObjects) {
+      uint64_t& word = words[i / kWordObjects];
+      if (word == 0) continue;
+      const size_t past = PastWord(count, i);
+      word &= FrontWord<terms()>(planes, tests, query, begin + i - past, slack,
+                                 exits) >>
+              past;
+    }
+  };
+  if (query.terms == 2) {
+    test(std::integral_constant<size_t, 2>());
+  } else if (query.terms == 3) {
+    test(std::integral_constant<size_t, 3>());
+  } else {
+    test(std::integral_constant<size_t, 4>());
   }
 }
 
 void HalfSpaceMask(const void* pointers, size_t begin, size_t count,
                    const void* values, uint64_t* words) noexcept {
   // The planes of a tile stay in L1.
-  constexpr size_t kTile = 1024;
+  constexpr size_t kTile = 512;
   const auto* planes = static_cast<const float* const*>(pointers);
   const auto& query = *static_cast<const detail::HalfSpaceQuery*>(values);
+  // So many objects of the tile before had none left halfway. In the order of a
+  // curve that tells of the next ones. In random order the branch costs a
+  // sixth, so only one tile of 16 tries it.
+  size_t exits = 0;
+  FrontTest tests[detail::kMostHalfSpaces];
+  if (count >= kWordObjects) {
+    for (size_t f = 0; f < query.front_count; ++f) {
+      const detail::HalfSpaceTest& test = query.tests.test[query.front[f]];
+      tests[f].offset = test.offset;
+      for (size_t t = 0; t < query.terms; ++t) {
+        tests[f].plane[t] = planes[test.term[t].plane];
+        tests[f].factor[t] = test.term[t].more;
+      }
+    }
+  }
   for (size_t i = 0; i < count; i += kTile) {
     const size_t objects = HWY_MIN(kTile, count - i);
     if (query.rejects_all) {
       std::fill_n(words, (objects + 63) / 64, 0);
-    } else if (kHasVectors && objects >= kWordObjects) {
-      FrontWords(planes, query, begin + i, objects, words);
+    } else if (objects >= kWordObjects) {
+      const bool tries = i / kTile % 16 == 1 || 4 * exits > 3 * kTile;
+      exits = 0;
+      FrontWords(planes, tests, query, begin + i, objects,
+                 tries ? &exits : nullptr, words);
     } else {
       for (size_t l = 0; l < objects; l += kWordObjects) {
         words[l / kWordObjects] = HalfSpaceWord(

@@ -15,7 +15,7 @@ inline constexpr std::size_t kMostTerms = 4;
 // A sum of a test with fewer roundings than HalfSpaceSum() has the same sign,
 // unless both are less than this times the greatest number that either reads
 // (docs/exactness.md).
-inline constexpr float kSumSlack = 0x1p-16f;
+inline constexpr float kSumSlack = 0x1p-17f;
 
 struct HalfSpaceQuery {
   HalfSpaceTests tests;
@@ -28,11 +28,11 @@ struct HalfSpaceQuery {
   // For bounds that touch the box: what kSumSlack says, or infinity if the box
   // does not say it.
   float slack;
-  // Numbers of tests. Those with t terms are order[end[t - 1]] ... order[end[t]
-  // - 1]. Terms that a test lacks have the factor 0 and the plane of its first
-  // term.
-  std::uint8_t order[kMostHalfSpaces];
-  std::uint8_t end[kMostTerms + 1];
+  // Numbers of the tests that can reject, and how many terms each has. Terms
+  // that a test lacks have the factor 0 and the plane of its first term.
+  std::uint8_t front[kMostHalfSpaces];
+  std::uint8_t front_count;
+  std::uint8_t terms;
   // The planes that tests read: so many minima, and as many maxima.
   std::uint8_t minima;
   std::uint8_t maxima;

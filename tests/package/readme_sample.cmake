@@ -41,7 +41,7 @@ endfunction()
 check_page(docs/porting.md "```cpp" porting.cc engines/jolt_broad_phase.h
            engines/box2d_dynamic_tree.cc)
 check_page(docs/design.md "```cpp" porting.cc)
-check_page(docs/kernels.md "```cpp" kernels.cc kernels_inline.cc)
+check_page(docs/kernels.md "```cpp" kernels.cc kernels_inline.cc culling.cc)
 check_page(docs/kernels.md "```c" kernels.c)
 
 # That of the README is the whole example but for its first line, which says what it is.

@@ -176,7 +176,7 @@ void VisitBvh(
           [&] { (void)SurvivorsOfEach(world, queries, ids, offsets, query); });
     visit("Survivors of a sphere", kShape,
           [&] { (void)Survivors(world, sphere, ids, query); });
-    visit("Survivors of a half-space in a scan", kShape, [&] {
+    visit("Survivors of a half-space in a scan", kShape + 3 * 1024, [&] {
       (void)Survivors(floats, half_space, ids, {.target = target});
     });
     visit("KNearest", kNearest, [&] {

@@ -48,6 +48,7 @@ std::vector<ScanKernel> KernelsOf(detail::PlaneLayout::Kind kind) {
       return {detail::kAll, detail::kAllStreaming, detail::kByAxis,
               detail::kByHalf, detail::kAdaptive};
     case detail::PlaneLayout::kAabo:
+    case detail::PlaneLayout::kSphere:
       break;
   }
   return {detail::kAll,    detail::kAllStreaming, detail::kByAxis,
