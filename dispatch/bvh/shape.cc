@@ -182,7 +182,8 @@ HalfSpaceTest MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
     const auto min = static_cast<std::uint32_t>(k);
     const auto max = static_cast<std::uint32_t>(planes.axes + k);
     const bool is_max = planes.has_max && factor > 0;
-    test.term[test.terms++] = {is_max ? max : min, is_max ? min : max,
+    test.term[test.terms++] = {is_max ? max : min,
+                               is_max || is_sphere ? min : max,
                                static_cast<float>(factor * (1 + 0x1p-19)),
                                static_cast<float>(factor * (1 - 0x1p-19))};
   }

@@ -21,6 +21,9 @@ void MakeHalfSpaceQuery(const PlaneLayout& layout, const ShapeScan& shape,
   HalfSpaceTests& tests = query.tests;
   MakeHalfSpaceTests(layout, shape.half_spaces, shape.count, tests);
   query.rejects_all = false;
+  query.radius_plane = layout.kind == PlaneLayout::kSphere
+                           ? layout.dims
+                           : std::numeric_limits<std::uint32_t>::max();
   query.terms = layout.has_max ? layout.dims : layout.plane_count;
   query.front_count = 0;
   for (std::size_t f = 0; f < tests.count; ++f) {

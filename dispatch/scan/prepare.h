@@ -25,7 +25,7 @@ inline constexpr auto kLastSchedule =
 inline constexpr std::size_t kInCacheBytes = 128 * 1024;
 
 // Planes of no more values fit the address space whatever they store.
-inline constexpr std::size_t kMostObjects =
+inline constexpr std::size_t kMostAddressable =
     std::numeric_limits<std::size_t>::max() / 16;
 
 // Objects and queries that 32-bit indices can name.
@@ -137,7 +137,7 @@ inline void Prepare(detail::Scan& scan, const Options& options,
   if (queries == 0 || (queries & (type.query_bytes - 1u)) != 0 ||
       scan.addresses.lowest == 0 ||
       (scan.addresses.bits & (type.element_bytes - 1u)) != 0 ||
-      scan.size > kMostObjects || type.is_refined || range.begin > range.end ||
+      scan.size > kMostAddressable || type.is_refined || range.begin > range.end ||
       schedule > kLastSchedule || target == kUnknownTarget ||
       IsSuspect(scan, output)) [[unlikely]] {
     target = CheckEach(scan, options, output_of(scan.end - scan.begin));

@@ -2,6 +2,7 @@
 // calls of reject.h run.
 #include "halfspace/reject_shapes.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -10,6 +11,7 @@
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/errors/number_checks.h"
+#include "dispatch/scan/prepare.h"
 #include "kernels/compiler.h"
 #include "kernels/scan/half_spaces.h"
 
@@ -36,46 +38,77 @@ HALFSPACE_NOINLINE auto WithQuery(ShapeScan& shape, const char* call,
   shape.scan.type = &type;
   shape.scan.queries = &query;
   shape.scan.query_count = 1;
-  return ask(shape.scan);
+  return ask(shape.scan, query);
 }
 
 }  // namespace
 
 void RejectMask(ShapeScan&& shape, Span<std::uint64_t> mask,
                 const Options& options) {
-  WithQuery(shape, "RejectMask",
-            [&](const Scan& scan) { RejectMask(Scan(scan), mask, options); });
+  WithQuery(shape, "RejectMask", [&](const Scan& scan, HalfSpaceQuery&) {
+    RejectMask(Scan(scan), mask, options);
+  });
 }
 
 void SurvivorMask(ShapeScan&& shape, Span<std::uint64_t> mask,
                   const Options& options) {
-  WithQuery(shape, "SurvivorMask",
-            [&](const Scan& scan) { SurvivorMask(Scan(scan), mask, options); });
+  WithQuery(shape, "SurvivorMask", [&](const Scan& scan, HalfSpaceQuery&) {
+    SurvivorMask(Scan(scan), mask, options);
+  });
 }
 
 std::size_t Survivors(ShapeScan&& shape, Span<std::uint32_t> indices,
                       const Options& options, std::size_t skip) {
-  return WithQuery(shape, "Survivors", [&](const Scan& scan) {
+  return WithQuery(shape, "Survivors", [&](const Scan& scan, HalfSpaceQuery&) {
     return Survivors(Scan(scan), indices, options, skip);
   });
 }
 
 std::size_t CountSurvivors(ShapeScan&& shape, const Options& options) {
-  return WithQuery(shape, "CountSurvivors", [&](const Scan& scan) {
-    return CountSurvivors(Scan(scan), options);
-  });
+  return WithQuery(shape, "CountSurvivors",
+                   [&](const Scan& scan, HalfSpaceQuery&) {
+                     return CountSurvivors(Scan(scan), options);
+                   });
 }
 
 std::size_t AnySurvivor(ShapeScan&& shape, const Options& options) {
-  return WithQuery(shape, "AnySurvivor", [&](const Scan& scan) {
-    return AnySurvivor(Scan(scan), options);
-  });
+  return WithQuery(shape, "AnySurvivor",
+                   [&](const Scan& scan, HalfSpaceQuery&) {
+                     return AnySurvivor(Scan(scan), options);
+                   });
 }
 
 void ForEachSurvivor(ShapeScan&& shape, SomeFunction function, void* context,
                      const Options& options) {
-  WithQuery(shape, "ForEachSurvivor", [&](const Scan& scan) {
+  WithQuery(shape, "ForEachSurvivor", [&](const Scan& scan, HalfSpaceQuery&) {
     ForEachSurvivor(Scan(scan), function, context, options);
+  });
+}
+
+void ClassifyMasks(ShapeScan&& shape, Span<std::uint64_t> survivors,
+                   Span<std::uint64_t> inside, const Options& options) {
+  constexpr const char* kCall = "ClassifyMasks";
+  WithQuery(shape, kCall, [&](const Scan& checked, HalfSpaceQuery& query) {
+    Scan scan = checked;
+    std::size_t words = 0;
+    const auto prepare = [&](const char* name, Span<std::uint64_t> mask) {
+      dispatch::Prepare(scan, options, kCall, [&](std::size_t objects) {
+        words = MaskWords(objects);
+        return dispatch::Output{name, mask.data(), mask.size(), words,
+                                sizeof(std::uint64_t)};
+      });
+    };
+    prepare("survivors", survivors);
+    prepare("inside", inside);
+    if (dispatch::Overlap(survivors.data(), words * sizeof(std::uint64_t),
+                          inside.data(), words * sizeof(std::uint64_t))) {
+      dispatch::ThrowOverlap(kCall, "inside", "the survivors",
+                             "an overlap with them");
+    }
+    dispatch::WriteWords(scan, options, survivors.data());
+    std::copy_n(survivors.data(), words, inside.data());
+    query.is_of_insides = true;
+    dispatch::WriteWords(scan, options, inside.data());
   });
 }
 

@@ -57,10 +57,12 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <type_traits>
 #include <utility>
 
 #include "halfspace/detail/scan.h"
+#include "halfspace/frustum.h"
 #include "halfspace/reject.h"  // IWYU pragma: export
 #include "halfspace/shapes.h"
 #include "halfspace/span.h"
@@ -86,6 +88,11 @@ using SphereView3 = SphereView<3>;
 }  // namespace halfspace
 
 namespace halfspace::detail {
+
+template <typename View>
+inline constexpr bool kHasInside = HasMax<typename View::Bound>;
+template <int kDims>
+inline constexpr bool kHasInside<SphereView<kDims>> = true;
 
 template <int kDims>
 const float* ValuesOf(Span<const HalfSpace<kDims>> list) {
@@ -177,5 +184,54 @@ struct Asked<SphereView<kDims>, RoundedBox<kDims>> {
 };
 
 }  // namespace halfspace::detail
+
+namespace halfspace {
+
+// Writes two masks: the survivors, as SurvivorMask() does, and those of them
+// that are inside: every corner is in front of all half-spaces. The others
+// straddle a half-space. So a hierarchy over the objects can stop testing: a
+// bound inside of an object that is inside survives the same half-spaces.
+//
+// `world` is a view or world of AABBs or AABOs, or a SphereView. `survivors`
+// and `inside` must each have room for MaskWords(n) words, and must not
+// overlap. An object with a NaN is never inside.
+//
+// Errors, thread safety and floating-point mode: as SurvivorMask(). Cost: that
+// of SurvivorMask(), and 1 to 3 ns more for each object of a word that has a
+// survivor.
+template <typename AnyWorld, typename HalfSpaces,
+          typename Asked = detail::AskedOf<AnyWorld, HalfSpaces>>
+void ClassifyMasks(const AnyWorld& world, const HalfSpaces& half_spaces,
+                   Span<std::uint64_t> survivors, Span<std::uint64_t> inside,
+                   const Options& options = {}) {
+  static_assert(detail::kHasInside<std::decay_t<decltype(world.view())>>,
+                "a simplex has no corner that is nearest to a half-space: "
+                "classify boxes, octahedra or spheres");
+  detail::ClassifyMasks(Asked::Of(world.view(), half_spaces), survivors, inside,
+                        options);
+}
+
+// Writes the survivor masks of several frusta, such as the cascades of a
+// shadow, cameras or lights. The layout of `rows` and the errors are those of
+// RejectMasks() in reject_many.h. Cost: that of a SurvivorMask() for each.
+template <typename AnyWorld>
+void SurvivorMasks(const AnyWorld& world, Span<const Frustum3> frusta,
+                   Span<std::uint64_t> rows, const Options& options = {},
+                   std::size_t row_words = 0) {
+  const std::size_t size = world.view().size;
+  const std::size_t end = options.range.end < size ? options.range.end : size;
+  const std::size_t words =
+      options.range.begin < end ? MaskWords(end - options.range.begin) : 0;
+  const std::size_t stride = row_words < words ? words : row_words;
+  for (std::size_t q = 0; q < frusta.size(); ++q) {
+    const std::size_t first =
+        q * stride < rows.size() ? q * stride : rows.size();
+    SurvivorMask(world, frusta[q],
+                 Span<std::uint64_t>(rows.data() + first, rows.size() - first),
+                 options);
+  }
+}
+
+}  // namespace halfspace
 
 #endif  // HALFSPACE_REJECT_SHAPES_H_

@@ -226,9 +226,11 @@ class HalfSpacesQuery : public ShapeQuery<HalfSpacesQuery> {
               const size_t plane = kIsNearest ? term.opposite : term.plane;
               return hn::LoadU(d, floats + plane * detail::kBlockObjects + i);
             });
-        auto is_out = hn::Lt(sum, hn::Zero(d));
-        if (kIsNearest) is_out = hn::Or(is_out, hn::Ne(sum, sum));
-        candidates &= ~(LaneBits(d, is_out) << i);
+        // Not Ne(sum, sum), which is false for a NaN on some targets.
+        const uint64_t out = kIsNearest
+                                 ? ~LaneBits(d, hn::Ge(sum, hn::Zero(d))) & all
+                                 : LaneBits(d, hn::Lt(sum, hn::Zero(d)));
+        candidates &= ~(out << i);
       }
     }
     return candidates;

@@ -8,7 +8,6 @@
 #define HALFSPACE_KERNELS_SCAN_HALF_SPACES_INL_H_
 #endif
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -49,34 +48,57 @@ HWY_INLINE hn::Mask<D> IsFar(D d, Load load, const float* const* planes,
   return hn::Gt(distance, hn::Mul(reach, reach));
 }
 
-// One vector of objects. The test ends when none is left.
-template <class D, class Load>
+// The objects of a vector whose foremost corners are in front of all
+// half-spaces, or, with kIsNearest, all of their corners. The test ends when
+// none is left.
+template <bool kIsNearest, class D, class Load>
 HWY_INLINE uint64_t HalfSpaceBits(D d, Load load, const float* const* planes,
                                   const detail::HalfSpaceQuery& query,
                                   size_t i) {
   const detail::HalfSpaceTests& tests = query.tests;
   uint64_t kept = ~uint64_t{0} >> (kWordObjects - hn::Lanes(d));
-  if (query.near_dims != 0) {
+  if (!kIsNearest && query.near_dims != 0) {
     kept &= ~LaneBits(d, IsFar(d, load, planes, query, i));
   }
-  for (size_t k = 0; k < tests.box_dims && kept != 0; ++k) {
-    const auto min = load(d, planes[k] + i);
-    const auto max = load(d, planes[tests.max_plane + k] + i);
-    kept &= ~LaneBits(d, hn::Or(hn::Gt(min, hn::Set(d, tests.high[k])),
-                                hn::Lt(max, hn::Set(d, tests.low[k]))));
+  const size_t dims =
+      kIsNearest ? query.near_dims + tests.box_dims : tests.box_dims;
+  for (size_t k = 0; k < dims && kept != 0; ++k) {
+    auto min = load(d, planes[k] + i);
+    auto max = load(d, planes[tests.max_plane + k] + i);
+    const auto low = hn::Set(d, query.box[k]);
+    const auto high = hn::Set(d, query.box[dims + k]);
+    if constexpr (kIsNearest) {
+      if (query.near_dims != 0) {
+        const auto radius = load(d, planes[query.near_dims] + i);
+        min = hn::Sub(min, radius);
+        max = hn::Add(max, radius);
+      }
+      kept &= LaneBits(d, hn::And(hn::Ge(min, low), hn::Le(max, high)));
+    } else {
+      kept &= ~LaneBits(d, hn::Or(hn::Gt(min, high), hn::Lt(max, low)));
+    }
   }
   for (size_t f = 0; f < tests.count && kept != 0; ++f) {
-    const auto sum =
-        HalfSpaceSum(d, tests.test[f],
-                     [&](const detail::HalfSpaceTest::Term& term)
-                         HWY_ATTR { return load(d, planes[term.plane] + i); });
-    kept &= ~LaneBits(d, hn::Lt(sum, hn::Zero(d)));
+    const auto sum = HalfSpaceSum(
+        d, tests.test[f],
+        [&](const detail::HalfSpaceTest::Term& term) HWY_ATTR {
+          if constexpr (kIsNearest) {
+            const auto value = load(d, planes[term.opposite] + i);
+            return term.plane == query.radius_plane ? hn::Neg(value) : value;
+          } else {
+            return load(d, planes[term.plane] + i);
+          }
+        });
+    // Not Ne(sum, sum), which is false for a NaN on some targets.
+    kept &= kIsNearest ? LaneBits(d, hn::Ge(sum, hn::Zero(d)))
+                       : ~LaneBits(d, hn::Lt(sum, hn::Zero(d)));
   }
   return kept;
 }
 
 // Objects begin ... begin + count - 1, at most 64. What this says is the
 // result on every target.
+template <bool kIsNearest = false>
 HWY_NOINLINE uint64_t HalfSpaceWord(const float* const* planes,
                                     const detail::HalfSpaceQuery& query,
                                     size_t begin, size_t count) {
@@ -85,11 +107,12 @@ HWY_NOINLINE uint64_t HalfSpaceWord(const float* const* planes,
   uint64_t bits = 0;
   size_t l = 0;
   for (; l + lanes <= count; l += lanes) {
-    bits |= HalfSpaceBits(d, LoadAll(), planes, query, begin + l) << l;
+    bits |= HalfSpaceBits<kIsNearest>(d, LoadAll(), planes, query, begin + l)
+            << l;
   }
   if (l == count) return bits;
   const LoadFirst load{count - l};
-  bits |= HalfSpaceBits(d, load, planes, query, begin + l) << l;
+  bits |= HalfSpaceBits<kIsNearest>(d, load, planes, query, begin + l) << l;
   return bits & ~(~uint64_t{0} << count);
 }
 
@@ -346,8 +369,15 @@ void HalfSpaceMask(const void* pointers, size_t begin, size_t count,
   }
   for (size_t i = 0; i < count; i += kTile) {
     const size_t objects = HWY_MIN(kTile, count - i);
-    if (query.rejects_all) {
-      std::fill_n(words, (objects + 63) / 64, 0);
+    if (query.is_of_insides) {
+      for (size_t l = 0; l < objects; l += kWordObjects) {
+        uint64_t& word = words[l / kWordObjects];
+        if (word == 0) continue;
+        word &= HalfSpaceWord<true>(planes, query, begin + i + l,
+                                    HWY_MIN(kWordObjects, objects - l));
+      }
+    } else if (query.rejects_all) {
+      for (size_t w = 0; w * kWordObjects < objects; ++w) words[w] = 0;
     } else if (objects >= kWordObjects) {
       const bool tries = i / kTile % 16 == 1 || 4 * exits > 3 * kTile;
       exits = 0;

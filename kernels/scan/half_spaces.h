@@ -20,10 +20,14 @@ inline constexpr float kSumSlack = 0x1p-17f;
 struct HalfSpaceQuery {
   HalfSpaceTests tests;
   bool rejects_all;
+  // The words that are written have the objects to test, and keep those of them
+  // that are in front with all of their corners.
+  bool is_of_insides = false;
   float box[6];  // of the tests, as a query of boxes; or of spheres
   // Spheres must be at most as far away from the box as their radius and this.
   // Without dimensions there is no box.
   std::uint8_t near_dims;
+  std::uint32_t radius_plane;  // of spheres; else a number of no plane
   float radius;
   // For bounds that touch the box: what kSumSlack says, or infinity if the box
   // does not say it.

@@ -274,6 +274,11 @@ HALFSPACE_API std::size_t AnySurvivor(ShapeScan&& shape,
 HALFSPACE_API void ForEachSurvivor(ShapeScan&& shape, SomeFunction function,
                                    void* context, const Options& options);
 
+HALFSPACE_API void ClassifyMasks(ShapeScan&& shape,
+                                 Span<std::uint64_t> survivors,
+                                 Span<std::uint64_t> inside,
+                                 const Options& options);
+
 // Many queries.
 HALFSPACE_API void RejectMasks(Scan&& scan, Span<std::uint64_t> rows,
                                const Options& options, std::size_t row_words);

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <stdexcept>
 #include <type_traits>
 #include <vector>
 
@@ -71,6 +72,68 @@ void MoveToFace(const HalfSpace<kDims>& face, const Layout& layout,
   const bool is_max = layout.has_max && face.normal[moved] > 0;
   planes[moved + (is_max ? layout.axes : 0u)] =
       value * (1 + random.WithExponent(-24, -14));
+}
+
+// On every target the same objects are inside, all of them survive, and their
+// nearest corners are in front: room(i) is by how much, relative to the numbers
+// that this is computed of, or NaN.
+template <typename View, typename Query, typename Room>
+void ExpectInside(const View& view, const Query& query, const Room& room) {
+  const std::size_t words = MaskWords(view.size);
+  std::vector<std::uint64_t> survivors(words);
+  std::vector<std::uint64_t> expected(words);
+  ClassifyMasks(view, query, survivors, expected,
+                {.target = SupportedTargets().back()});
+  std::vector<std::uint64_t> mask(words);
+  SurvivorMask(view, query, mask);
+  EXPECT_EQ(survivors, mask);
+  for (std::size_t i = 0; i < view.size; ++i) {
+    const bool is_inside = (expected[i / 64] >> i % 64 & 1) != 0;
+    const long double its_room = room(i);
+    if (its_room >= 0x1p-16L) {
+      ASSERT_TRUE(is_inside) << "object " << i;
+    } else if (its_room < -0x1p-16L) {
+      ASSERT_FALSE(is_inside) << "object " << i;
+    }
+    ASSERT_TRUE(!is_inside || (survivors[i / 64] >> i % 64 & 1) != 0);
+  }
+  for (const Target target : SupportedTargets()) {
+    ClassifyMasks(view, query, survivors, mask, {.target = target});
+    ASSERT_EQ(mask, expected) << target.name();
+  }
+}
+
+// Of the corners nearest to each half-space.
+template <int kDims, typename NearestOf>
+long double RoomOfNearest(const List<kDims>& list, const NearestOf& nearest_of,
+                          long double radius) {
+  long double least = 1;
+  for (const auto& face : list) {
+    long double sum = face.offset;
+    long double size = std::abs(sum);
+    long double squared = 0;
+    for (std::size_t k = 0; k < kDims; ++k) {
+      const long double term = face.normal[k] == 0
+                                   ? 0
+                                   : static_cast<long double>(face.normal[k]) *
+                                         nearest_of(k, face.normal[k] > 0);
+      sum += term;
+      size += std::abs(term);
+      squared += static_cast<long double>(face.normal[k]) * face.normal[k];
+    }
+    for (const float component : face.normal) {
+      const long double square =
+          static_cast<long double>(component) * component;
+      if (component != 0 && square < squared * 0x1p-180L) {
+        return std::numeric_limits<long double>::quiet_NaN();
+      }
+    }
+    sum -= std::sqrt(squared) * radius;
+    const long double room = sum / (size + std::sqrt(squared) * radius);
+    if (std::isnan(room)) return room;
+    least = std::min(least, room);
+  }
+  return least;
 }
 
 // The calls of kernels.h, on the chosen target.
@@ -148,6 +211,25 @@ void ExpectKeeps(std::uint64_t seed) {
     std::vector<std::uint64_t> all(MaskWords(size));
     SurvivorMask(world, list, all);
     EXPECT_EQ(Unchecked<kDims>(world.view(), list), all);
+    if constexpr (detail::HasMax<Bound>) {
+      const auto view = world.view();
+      ExpectInside(view, list, [&](std::size_t i) -> long double {
+        // Not of numbers, or of a minimum above its maximum.
+        for (std::size_t k = 0; k < kDims; ++k) {
+          const float width = view.max[k][i] - view.min[k][i];
+          if (!(width >= 0 && std::isfinite(width))) {
+            return std::numeric_limits<long double>::quiet_NaN();
+          }
+        }
+        return RoomOfNearest<kDims>(
+            list,
+            [&](std::size_t k, bool is_up) {
+              return is_up ? view.min[k][i] : view.max[k][i];
+            },
+            0);
+      });
+      if (::testing::Test::HasFatalFailure()) return;
+    }
     const Range range{random.Below(2) * size / 3, size};
     std::vector<std::uint64_t> mask(MaskWords(size));
     for (const Target target : SupportedTargets()) {
@@ -320,6 +402,14 @@ class SpheresTest {
     }
     if constexpr (std::is_same_v<Query, List<kDims>>) {
       EXPECT_EQ(Unchecked<kDims>(view, query), expected);
+      ExpectInside(view, query, [&](std::size_t i) -> Exact {
+        for (const auto& plane : planes_) {
+          if (plane[i] * 0 != 0) return plane[i] * 0;
+        }
+        return RoomOfNearest<kDims>(
+            query, [&](std::size_t k, bool) { return planes_[k][i]; },
+            planes_[kDims][i]);
+      });
     }
   }
 
@@ -338,6 +428,43 @@ TEST(HalfSpacesTest, OfSpheres) {
       if (::testing::Test::HasFatalFailure()) return;
     }
   }
+}
+
+TEST(HalfSpacesTest, SeveralFrustaAreRows) {
+  SeededNumbers random(1);
+  AabbWorld3 world;
+  for (int i = 0; i < 100; ++i) {
+    Aabb3 box;
+    for (std::size_t k = 0; k < 3; ++k) {
+      box.min[k] = random.WithExponent(-2, 4);
+      box.max[k] = box.min[k] + 1;
+    }
+    world.Push(box);
+  }
+  std::vector<Frustum3> frusta(3);
+  for (Frustum3& frustum : frusta) {
+    for (HalfSpace3& side : frustum) side = RandomHalfSpace<3>(random);
+    frustum[3] = {{0, 0, 0}, 1};
+  }
+  std::vector<std::uint64_t> mask(2);
+  std::vector<std::uint64_t> rows(3 * 3 - 1, 7);
+  SurvivorMasks(world, frusta, rows, {}, 3);
+  for (std::size_t q = 0; q < 3; ++q) {
+    SurvivorMask(world, frusta[q], mask);
+    EXPECT_EQ(rows[3 * q], mask[0]);
+    EXPECT_EQ(rows[3 * q + 1], mask[1]);
+    if (q < 2) {
+      EXPECT_EQ(rows[3 * q + 2], 7u);
+    }
+  }
+  EXPECT_THROW(
+      SurvivorMasks(world, frusta, Span<std::uint64_t>(rows.data(), 4)),
+      std::invalid_argument);
+  EXPECT_THROW(ClassifyMasks(world, frusta[0], mask, mask),
+               std::invalid_argument);
+  EXPECT_THROW(ClassifyMasks(world, frusta[0], mask,
+                             Span<std::uint64_t>(rows.data(), 1)),
+               std::invalid_argument);
 }
 
 TEST(HalfSpacesTest, EachTargetKeepsTheSame) {
