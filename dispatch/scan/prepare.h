@@ -137,9 +137,9 @@ inline void Prepare(detail::Scan& scan, const Options& options,
   if (queries == 0 || (queries & (type.query_bytes - 1u)) != 0 ||
       scan.addresses.lowest == 0 ||
       (scan.addresses.bits & (type.element_bytes - 1u)) != 0 ||
-      scan.size > kMostAddressable || type.is_refined || range.begin > range.end ||
-      schedule > kLastSchedule || target == kUnknownTarget ||
-      IsSuspect(scan, output)) [[unlikely]] {
+      scan.size > kMostAddressable || type.is_refined ||
+      range.begin > range.end || schedule > kLastSchedule ||
+      target == kUnknownTarget || IsSuspect(scan, output)) [[unlikely]] {
     target = CheckEach(scan, options, output_of(scan.end - scan.begin));
   }
   scan.kernels = *type.all_kernels + target;
