@@ -206,14 +206,17 @@ bool AddToBox(const float* normal, float offset, std::size_t dims,
   if (axis == dims || !std::isfinite(normal[axis]) || !std::isfinite(offset)) {
     return false;
   }
-  // Rounded outward, and to a float of the same sign, which a compare finds
-  // equal in every floating-point mode.
-  const double side =
-      std::clamp(-double{offset} / normal[axis], -0x1p127, 0x1p127);
-  if (normal[axis] > 0) {
-    tests.low[axis] = std::max(tests.low[axis], RoundedDown(side));
+  // Rounded outward. A side beyond 2^127 rejects nothing on its inner side, and
+  // is moved to 2^127 on its outer side.
+  const double side = -double{offset} / normal[axis];
+  if (normal[axis] < 0) {
+    if (side >= 0x1p127) return true;
+    tests.high[axis] =
+        std::min(tests.high[axis], RoundedUp(std::max(side, -0x1p127)));
   } else {
-    tests.high[axis] = std::min(tests.high[axis], RoundedUp(side));
+    if (side <= -0x1p127) return true;
+    tests.low[axis] =
+        std::max(tests.low[axis], RoundedDown(std::min(side, 0x1p127)));
   }
   return true;
 }

@@ -186,7 +186,7 @@ class Frustum {
     for (const Edge& edge : edges_) {
       for (const double t : {edge.begin, edge.end}) {
         if (t == kInf) {
-          if (!(Dot(normal, edge.direction) > 0)) return {};
+          if (!(Dot(normal, edge.direction) > edge.error)) return {};
           continue;
         }
         double size = 0x1p-120;
@@ -227,6 +227,11 @@ Frustum3 FrustumPlanes(const float* matrix, ClipDepth depth,
       for (std::size_t c = 0; c < 4; ++c) {
         row[r][c] = order == MatrixOrder::kRowMajor ? matrix[4 * r + c]
                                                     : matrix[4 * c + r];
+      }
+    }
+    for (const auto& numbers : row) {
+      for (const double number : numbers) {
+        if (!std::isfinite(number)) return Frustum3{};
       }
     }
     const auto& w = row[3];

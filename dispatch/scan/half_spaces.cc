@@ -37,8 +37,6 @@ void MakeHalfSpaceQuery(const PlaneLayout& layout, const ShapeScan& shape,
       test.term[t].plane = test.term[0].plane;
     }
   }
-  query.minima = layout.has_max ? layout.dims : layout.plane_count;
-  query.maxima = layout.has_max ? layout.dims : 0;
   // Also for NaN. Of a sphere that touches the box the center is anywhere.
   query.slack = std::numeric_limits<float>::infinity();
   query.near_dims = 0;

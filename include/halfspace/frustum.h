@@ -41,17 +41,21 @@ using Frustum3 = std::array<HalfSpace3, 12>;
 // For objects in the space of a model, multiply by its matrix, too.
 //
 // No point of the frustum of the exact matrix is lost. The half-spaces are
-// larger than it by about 2^-23 of the largest coordinate of a corner.
+// larger than it by about 2^-23 of the largest coordinate of a corner. Without
+// a far plane it is 2^-20 of the distance from the eye. If a plane of the depth
+// is nearly parallel to an edge, it is more.
 //
 // An infinite far plane, or one that cuts only some of the four edges, keeps
-// everything, and there is no box. A matrix that is singular, or has a NaN or
-// an infinity, keeps everything: all normals are 0.
+// everything, and there is no box. A near plane that only some edges enter
+// keeps everything, too: the region then begins at the eye. A matrix with a NaN
+// or an infinity, whose sides make no frustum, or whose far plane is before its
+// near plane, keeps everything: all normals are 0.
 //
 // Errors (error.h): the pointer must not be null or misaligned, and the others
 // must be enumerators.
 //
 // Thread safety: reentrant. No allocation. Floating-point mode: as fit.h. Cost:
-// about 0.3 us. Compute it once a frame.
+// about 0.4 us (an EPYC, family 25 model 17). Compute it once a frame.
 //
 // Source: G. Gribb and K. Hartmann, "Fast Extraction of Viewing Frustum Planes
 // from the World-View-Projection Matrix", 2001.

@@ -104,10 +104,11 @@ HALFSPACE_DEFINE_SURVIVORS_OF(Octahedra4, hs_octahedron4)
 #undef HALFSPACE_DEFINE_SURVIVORS_OF_DOUBLES
 #undef HALFSPACE_DEFINE_SURVIVORS_OF
 
-// The objects in front of all of up to 64 half-spaces, such as a frustum
-// (frustum.h). Planes of boxes and octahedra as above; of spheres d coordinates
-// of the center, and the radius, which must not be negative. reject_shapes.h
-// says which objects survive, and what it costs. Stack: 10 KiB.
+// The objects in front of all half-spaces, such as a frustum (frustum.h).
+// `count` must be at most 64, which is asserted, but not checked. Planes of
+// boxes and octahedra as above; of spheres d coordinates of the center, and the
+// radius, which must not be negative. reject_shapes.h says which objects
+// survive, and what it costs. Stack: 10 KiB.
 #define HALFSPACE_DEFINE_SURVIVORS_IN_FRONT(name, bound, dims)                \
   inline void SurvivorsOf##name(const float* const* planes, std::size_t n,    \
                                 const HalfSpace<dims, float>* half_spaces,    \

@@ -32,6 +32,9 @@
 // exact shape is rejected, in any floating-point mode. Spheres closer than
 // about 2^-17 of the sizes involved can survive. All targets return the same
 // spheres.
+// A NaN in a box or a center rejects nothing on its side. A box with a minimum
+// above its maximum is that far from every sphere, and Empty() finds none of
+// finite radius. Of a sphere with a negative radius the result is unspecified.
 //
 // Errors: as RejectMask() in reject.h. There must be at most 64 half-spaces,
 // and the pointer to them must not be null or misaligned. The radius of a query
@@ -47,8 +50,9 @@
 // compare an axis-aligned one. `./bench.sh --details culling` compares it with
 // loops by hand. What those lack costs up to a third: without a box around the
 // region, each plane is also read for its magnitude, from which follows which
-// sums are too near to 0 to decide. From a few thousand objects on, a BVH is
-// faster.
+// sums are too near to 0 to decide. A NaN or an infinity
+// there has up to 512 objects tested twice. From a few thousand objects on, a
+// BVH is faster.
 //
 // Source: the support function of a box is common knowledge. Spheres: "The
 // Bounding Simplex: A SIMD-Era Rejection Primitive", section 2.1.
@@ -89,6 +93,10 @@ using SphereView3 = SphereView<3>;
 
 namespace halfspace::detail {
 
+template <typename Query>
+inline constexpr bool kIsList =
+    std::is_convertible_v<const Query&, Span<const HalfSpace<2>>> ||
+    std::is_convertible_v<const Query&, Span<const HalfSpace<3>>>;
 template <typename View>
 inline constexpr bool kHasInside = HasMax<typename View::Bound>;
 template <int kDims>
@@ -188,13 +196,15 @@ struct Asked<SphereView<kDims>, RoundedBox<kDims>> {
 namespace halfspace {
 
 // Writes two masks: the survivors, as SurvivorMask() does, and those of them
-// that are inside: every corner is in front of all half-spaces. The others
-// straddle a half-space. So a hierarchy over the objects can stop testing: a
-// bound inside of an object that is inside survives the same half-spaces.
+// that are inside: every corner is in front of all half-spaces, up to about
+// 2^-17 of the sizes involved. The others straddle a half-space. So a hierarchy
+// over the objects can stop testing: a box or octahedron in one that is inside
+// survives the same half-spaces, and so does a sphere, up to that distance.
 //
-// `world` is a view or world of AABBs or AABOs, or a SphereView. `survivors`
-// and `inside` must each have room for MaskWords(n) words, and must not
-// overlap. An object with a NaN is never inside.
+// `world` is a view or world of AABBs or AABOs, or a SphereView. `half_spaces`
+// is a list of them. `survivors` and `inside` must each have room for
+// MaskWords(n) words, and must not overlap. An object is not inside if a number
+// that a half-space reads is a NaN. An empty list has every object inside.
 //
 // Errors, thread safety and floating-point mode: as SurvivorMask(). Cost: that
 // of SurvivorMask(), and 1 to 3 ns more for each object of a word that has a
@@ -204,6 +214,8 @@ template <typename AnyWorld, typename HalfSpaces,
 void ClassifyMasks(const AnyWorld& world, const HalfSpaces& half_spaces,
                    Span<std::uint64_t> survivors, Span<std::uint64_t> inside,
                    const Options& options = {}) {
+  static_assert(detail::kIsList<HalfSpaces>,
+                "objects are classified by a list of half-spaces");
   static_assert(detail::kHasInside<std::decay_t<decltype(world.view())>>,
                 "a simplex has no corner that is nearest to a half-space: "
                 "classify boxes, octahedra or spheres");
@@ -212,8 +224,9 @@ void ClassifyMasks(const AnyWorld& world, const HalfSpaces& half_spaces,
 }
 
 // Writes the survivor masks of several frusta, such as the cascades of a
-// shadow, cameras or lights. The layout of `rows` and the errors are those of
-// RejectMasks() in reject_many.h. Cost: that of a SurvivorMask() for each.
+// shadow, cameras or lights: that of frustum q begins at rows[q * row_words]. A
+// `row_words` below MaskWords(n) counts as MaskWords(n). Errors and cost: those
+// of a SurvivorMask() for each frustum, one after another.
 template <typename AnyWorld>
 void SurvivorMasks(const AnyWorld& world, Span<const Frustum3> frusta,
                    Span<std::uint64_t> rows, const Options& options = {},
@@ -225,7 +238,7 @@ void SurvivorMasks(const AnyWorld& world, Span<const Frustum3> frusta,
   const std::size_t stride = row_words < words ? words : row_words;
   for (std::size_t q = 0; q < frusta.size(); ++q) {
     const std::size_t first =
-        q * stride < rows.size() ? q * stride : rows.size();
+        stride == 0 || q <= rows.size() / stride ? q * stride : rows.size();
     SurvivorMask(world, frusta[q],
                  Span<std::uint64_t>(rows.data() + first, rows.size() - first),
                  options);

@@ -57,6 +57,7 @@ inline float ReportedTime(float t) { return t < kApartOnLine ? 0 : t; }
 // A half-space as a sum over planes of a bound. Each plane is multiplied by a
 // factor that was rounded up and down, and the greater product counts. The sum
 // is negative for bounds behind the half-space.
+inline constexpr std::size_t kMostTerms = 4;
 struct HalfSpaceTest {
   struct Term {
     std::uint32_t plane;
@@ -66,7 +67,7 @@ struct HalfSpaceTest {
   };
   std::size_t terms;
   float offset;
-  Term term[4];
+  Term term[kMostTerms];
 };
 
 // Half-spaces, and a box that the bounds must touch as well: the axis-aligned

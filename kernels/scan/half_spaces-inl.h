@@ -175,10 +175,10 @@ HWY_NOINLINE float Slack(const float* const* planes,
   const hn::RebindToUnsigned<WordTag<float>> du;
   auto high = hn::Zero(di);
   auto low = hn::Zero(du);
-  for (size_t p = 0; p < query.maxima; ++p) {
+  for (size_t p = 0; p < query.terms; ++p) {
     high = Raised(di, planes[query.tests.max_plane + p] + begin, count, high);
   }
-  for (size_t p = 0; p < query.minima; ++p) {
+  for (size_t p = 0; p < query.terms; ++p) {
     low = Raised(du, planes[p] + begin, count, low);
   }
   const WordTag<float> d;

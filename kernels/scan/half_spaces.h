@@ -10,8 +10,6 @@
 
 namespace halfspace::detail {
 
-inline constexpr std::size_t kMostTerms = 4;
-
 // A sum of a test with fewer roundings than HalfSpaceSum() has the same sign,
 // unless both are less than this times the greatest number that either reads
 // (docs/exactness.md).
@@ -37,9 +35,6 @@ struct HalfSpaceQuery {
   std::uint8_t front[kMostHalfSpaces];
   std::uint8_t front_count;
   std::uint8_t terms;
-  // The planes that tests read: so many minima, and as many maxima.
-  std::uint8_t minima;
-  std::uint8_t maxima;
 };
 
 // Called in the default floating-point mode.

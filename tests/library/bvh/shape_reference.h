@@ -138,10 +138,11 @@ inline bool IsBehind(const Layout& layout, const Planes& planes,
       std::count(normal, normal + layout.dims, 0.0f) ==
           std::ptrdiff_t{layout.dims} - 1) {
     const std::ptrdiff_t k = component - normal;
-    const double side =
-        std::clamp(-double{offset} / *component, -0x1p127, 0x1p127);
-    return *component > 0 ? planes[layout.first_max + k] < -UpFrom(-side)
-                          : planes[k] > UpFrom(side);
+    const double side = -double{offset} / *component;
+    return *component > 0
+               ? side > -0x1p127 && planes[layout.first_max + k] <
+                                        -UpFrom(-std::min(side, 0x1p127))
+               : side < 0x1p127 && planes[k] > UpFrom(std::max(side, -0x1p127));
   }
   // Of minima alone, all factors are at most 0, also that of D.
   double most = 0;

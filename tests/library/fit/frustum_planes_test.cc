@@ -221,13 +221,15 @@ TEST(FrustumPlanesTest, WhatIsNoFrustumKeepsEverything) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   SeededNumbers random(3);
-  for (const float value : {0.f, kInfinity, kNan}) {
-    Camera camera = RandomCamera(random, kDirect3d);
-    camera.matrix[0] = {value, value, value, value};
-    if (value == 0) camera.matrix = {};
-    for (const HalfSpace3& side : PlanesOf(camera)) {
-      EXPECT_EQ(side.normal, Point3{});
-      EXPECT_EQ(side.offset, 0);
+  for (std::size_t row = 0; row < 4; ++row) {
+    for (const float value : {0.f, kInfinity, kNan}) {
+      Camera camera = RandomCamera(random, kDirect3d);
+      camera.matrix[row][random.Below(4)] = value;
+      if (value == 0) camera.matrix = {};
+      for (const HalfSpace3& side : PlanesOf(camera)) {
+        EXPECT_EQ(side.normal, Point3{});
+        EXPECT_EQ(side.offset, 0);
+      }
     }
   }
 }

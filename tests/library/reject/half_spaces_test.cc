@@ -13,6 +13,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "halfspace/bvh_shapes.h"
 #include "halfspace/kernels.h"
 #include "halfspace/reject_shapes.h"
 #include "halfspace/targets.h"
@@ -428,6 +429,28 @@ TEST(HalfSpacesTest, OfSpheres) {
       if (::testing::Test::HasFatalFailure()) return;
     }
   }
+}
+
+// A side beyond all floats rejects nothing, or everything that is finite.
+TEST(HalfSpacesTest, SidesBeyondFloats) {
+  constexpr float kFar = 3e38f;
+  AabbWorld3 world;
+  world.Push({{-kFar, 0, 0}, {-kFar, 1, 1}});
+  world.Push({{kFar, 0, 0}, {kFar, 1, 1}});
+  const auto survivors = [&](float normal, float offset) {
+    const List<3> list = {{{normal, 0, 0}, offset}};
+    std::uint64_t mask = 0;
+    SurvivorMask(world, list, Span<std::uint64_t>(&mask, 1));
+    const Bvh<AabbView3> bvh(world);
+    EXPECT_EQ(CountSurvivors(bvh, list),
+              static_cast<std::size_t>(std::popcount(mask)));
+    return mask;
+  };
+  EXPECT_EQ(survivors(1e-3f, kFar), 3u);
+  EXPECT_EQ(survivors(-1e-3f, kFar), 3u);
+  EXPECT_EQ(survivors(1, kFar), 3u);
+  EXPECT_EQ(survivors(-1, kFar), 3u);
+  EXPECT_EQ(survivors(1, 0), 2u);
 }
 
 TEST(HalfSpacesTest, SeveralFrustaAreRows) {
