@@ -12,6 +12,7 @@
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "halfspace/frustum.h"
+#include "kernels/bvh/shape.h"
 
 namespace halfspace {
 namespace {
@@ -50,11 +51,6 @@ Plane Added(const std::array<double, 4>& a, double factor,
   for (double& component : plane.normal) component /= length;
   plane.offset /= length;
   return plane;
-}
-
-float RoundedUp(double value) {
-  value += std::abs(value) * 0x1p-23 + 0x1p-149;
-  return static_cast<float>(std::clamp(value, -0x1p127, 0x1p127));
 }
 
 // The four edges of a frustum say what its half-spaces have to hold.
@@ -198,7 +194,7 @@ class Frustum {
       }
     }
     if (!(std::abs(offset) < 0x1p126)) return {};
-    result.offset = RoundedUp(offset);
+    result.offset = detail::RoundedUp(offset);
     return result;
   }
 

@@ -189,17 +189,10 @@ HWY_NOINLINE float Slack(const float* const* planes,
          0x1p-110f;
 }
 
-template <size_t... kVector, class D, class V, class... Vs>
-HWY_INLINE uint64_t BitsBelow(std::index_sequence<kVector...>, D d, V limit,
-                              Vs... sums) {
-  return (... | (LaneBits(d, hn::Lt(hn::BitCast(d, sums), limit))
-                 << (kVector * hn::Lanes(d))));
-}
-template <size_t... kVector, class D, class V, class... Vs>
-HWY_INLINE uint64_t BitsFrom(std::index_sequence<kVector...>, D d, V limit,
-                             Vs... sums) {
-  return (... | (LaneBits(d, hn::Ge(hn::BitCast(d, sums), limit))
-                 << (kVector * hn::Lanes(d))));
+// The bits of the masks of several vectors.
+template <size_t... kVector, class D, class... M>
+HWY_INLINE uint64_t BitsOf(std::index_sequence<kVector...>, D d, M... masks) {
+  return (... | (LaneBits(d, masks) << (kVector * hn::Lanes(d))));
 }
 
 // Bits of the lanes in which all of `sums` are negative.
@@ -226,13 +219,16 @@ HWY_INLINE uint64_t FrontBits(D d, const FrontTest* tests, size_t count,
             least...);
     if (exits != nullptr && f == count / 2 &&
         AllNegative(di, least...) == ~uint64_t{0} >> (kWordObjects - lanes) &&
-        BitsBelow(kVectors, d, below, least...) == all) {
+        BitsOf(kVectors, d, hn::Lt(hn::BitCast(d, least), below)...) == all) {
       *exits += sizeof...(V) * lanes;
       break;
     }
   }
-  const uint64_t behind = BitsBelow(kVectors, d, below, least...);
-  unknown = ~(behind | BitsFrom(kVectors, d, slack, least...)) & all;
+  const uint64_t behind =
+      BitsOf(kVectors, d, hn::Lt(hn::BitCast(d, least), below)...);
+  const uint64_t in_front =
+      BitsOf(kVectors, d, hn::Ge(hn::BitCast(d, least), slack)...);
+  unknown = ~(behind | in_front) & all;
   return all & ~behind;
 }
 
@@ -301,8 +297,8 @@ HWY_NOINLINE void NearWords(const float* const* planes,
   }
 }
 
-// Objects begin ... begin + count - 1, at least 64 and at most a tile, in plain
-// order: those that touch the box, and then those of them in front.
+// Writes the survivors of objects begin ... begin + count - 1, at least 64 and
+// at most a tile. The objects that miss the box are tested no further.
 void FrontWords(const float* const* planes, const FrontTest* tests,
                 const detail::HalfSpaceQuery& query, size_t begin, size_t count,
                 size_t* exits, uint64_t* words) {
@@ -346,15 +342,30 @@ void FrontWords(const float* const* planes, const FrontTest* tests,
   }
 }
 
+// Clears the bits of objects that have a corner behind a half-space.
+void KeepInsides(const float* const* planes,
+                 const detail::HalfSpaceQuery& query, size_t begin,
+                 size_t count, uint64_t* words) {
+  for (size_t i = 0; i < count; i += kWordObjects, ++words) {
+    if (*words == 0) continue;
+    *words &= HalfSpaceWord<true>(planes, query, begin + i,
+                                  HWY_MIN(kWordObjects, count - i));
+  }
+}
+
 void HalfSpaceMask(const void* pointers, size_t begin, size_t count,
                    const void* values, uint64_t* words) noexcept {
   // The planes of a tile stay in L1.
   constexpr size_t kTile = 512;
   const auto* planes = static_cast<const float* const*>(pointers);
   const auto& query = *static_cast<const detail::HalfSpaceQuery*>(values);
-  // So many objects of the tile before had none left halfway. In the order of a
-  // curve that tells of the next ones. In random order the branch costs a
-  // sixth, so only one tile of 16 tries it.
+  if (query.is_of_insides) {
+    KeepInsides(planes, query, begin, count, words);
+    return;
+  }
+  // The number of objects of the last tile that were all rejected halfway. In
+  // the order of a curve the next tile is similar. In random order the branch
+  // takes a sixth of the time, so one tile of 16 tries it.
   size_t exits = 0;
   FrontTest tests[detail::kMostHalfSpaces];
   if (count >= kWordObjects) {
@@ -369,14 +380,7 @@ void HalfSpaceMask(const void* pointers, size_t begin, size_t count,
   }
   for (size_t i = 0; i < count; i += kTile) {
     const size_t objects = HWY_MIN(kTile, count - i);
-    if (query.is_of_insides) {
-      for (size_t l = 0; l < objects; l += kWordObjects) {
-        uint64_t& word = words[l / kWordObjects];
-        if (word == 0) continue;
-        word &= HalfSpaceWord<true>(planes, query, begin + i + l,
-                                    HWY_MIN(kWordObjects, objects - l));
-      }
-    } else if (query.rejects_all) {
+    if (query.rejects_all) {
       for (size_t w = 0; w * kWordObjects < objects; ++w) words[w] = 0;
     } else if (objects >= kWordObjects) {
       const bool tries = i / kTile % 16 == 1 || 4 * exits > 3 * kTile;
@@ -384,10 +388,7 @@ void HalfSpaceMask(const void* pointers, size_t begin, size_t count,
       FrontWords(planes, tests, query, begin + i, objects,
                  tries ? &exits : nullptr, words);
     } else {
-      for (size_t l = 0; l < objects; l += kWordObjects) {
-        words[l / kWordObjects] = HalfSpaceWord(
-            planes, query, begin + i + l, HWY_MIN(kWordObjects, objects - l));
-      }
+      *words = HalfSpaceWord(planes, query, begin + i, objects);
     }
     words += kTile / kWordObjects;
   }

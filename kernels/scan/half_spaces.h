@@ -10,16 +10,15 @@
 
 namespace halfspace::detail {
 
-// A sum of a test with fewer roundings than HalfSpaceSum() has the same sign,
-// unless both are less than this times the greatest number that either reads
-// (docs/exactness.md).
+// A sum with one product a term has the sign of HalfSpaceSum(), unless it is
+// nearer to 0 than this times the greatest number that it reads (docs/bvh.md).
 inline constexpr float kSumSlack = 0x1p-17f;
 
 struct HalfSpaceQuery {
   HalfSpaceTests tests;
   bool rejects_all;
-  // The words that are written have the objects to test, and keep those of them
-  // that are in front with all of their corners.
+  // The kernel reads the words, and clears the bits of objects with a corner
+  // behind a half-space. Otherwise it writes the survivors.
   bool is_of_insides = false;
   float box[6];  // of the tests, as a query of boxes; or of spheres
   // Spheres must be at most as far away from the box as their radius and this.
@@ -27,8 +26,8 @@ struct HalfSpaceQuery {
   std::uint8_t near_dims;
   std::uint32_t radius_plane;  // of spheres; else a number of no plane
   float radius;
-  // For bounds that touch the box: what kSumSlack says, or infinity if the box
-  // does not say it.
+  // The distance of kSumSlack for bounds that touch the box. Infinity if it
+  // depends on the bounds.
   float slack;
   // Numbers of the tests that can reject, and how many terms each has. Terms
   // that a test lacks have the factor 0 and the plane of its first term.
