@@ -24,18 +24,16 @@ void MakeHalfSpaceQuery(const PlaneLayout& layout, const ShapeScan& shape,
   query.radius_plane = layout.kind == PlaneLayout::kSphere
                            ? layout.dims
                            : std::numeric_limits<std::uint32_t>::max();
+  query.is_shared = !layout.has_max;
   query.terms = layout.has_max ? layout.dims : layout.plane_count;
   query.front_count = 0;
   for (std::size_t f = 0; f < tests.count; ++f) {
-    HalfSpaceTest& test = tests.test[f];
+    const HalfSpaceTest& test = tests.test[f];
     if (test.terms == 0) {
       query.rejects_all |= test.offset < 0;
       continue;
     }
     query.front[query.front_count++] = static_cast<std::uint8_t>(f);
-    for (std::size_t t = test.terms; t < query.terms; ++t) {
-      test.term[t].plane = test.term[0].plane;
-    }
   }
   // Also for NaN. Of a sphere that touches the box the center is anywhere.
   query.slack = std::numeric_limits<float>::infinity();

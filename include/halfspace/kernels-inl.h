@@ -54,7 +54,7 @@ template <size_t kMins, size_t kMaxs, typename T, size_t... kPlane>
 HWY_INLINE uint64_t SurvivorsOf64(std::index_sequence<kPlane...>,
                                   const T* const* planes, size_t i,
                                   const T* query) {
-  const OneTag<T> d;
+  const WordTag<T> d;
   const auto values = ValuesOf<kMins, kMaxs>(query);
   return KeptBits<kMins>(d, LoadAll(), planes, i,
                          hn::Set(d, values.template Of<kMins>(kPlane))...);

@@ -116,7 +116,10 @@ HWY_NOINLINE void FewMask(const void* pointers, size_t first, size_t count,
                           const void* values, uint64_t* row) noexcept {
   using T = hn::TFromD<D>;
   if constexpr (kHasVectors && std::is_same_v<T, float>) {
-    constexpr size_t kFewest = HWY_MIN(size_t{9}, hn::MaxLanes(D()));
+    constexpr size_t kFewest =
+        HALFSPACE_MASKED_COMPARES
+            ? kNearObjects<2 * kAxes, T> / kWordObjects + 1
+            : HWY_MIN(size_t{9}, hn::MaxLanes(D()));
     if (count / kWordObjects - kFewest <= kTileWords - kFewest) {
       SampledMask<kAxes, D>(static_cast<const T* const*>(pointers), first,
                             count, static_cast<const T*>(values), row);

@@ -97,16 +97,18 @@ HWY_INLINE uint64_t HalfSpaceBits(D d, Load load, const float* const* planes,
 }
 
 // Objects begin ... begin + count - 1, at most 64. What this says is the
-// result on every target.
+// result on every target. Only the vectors of `wanted` objects are tested.
 template <bool kIsNearest = false>
 HWY_NOINLINE uint64_t HalfSpaceWord(const float* const* planes,
                                     const detail::HalfSpaceQuery& query,
-                                    size_t begin, size_t count) {
+                                    size_t begin, size_t count,
+                                    uint64_t wanted = ~uint64_t{0}) {
   const WordTag<float> d;
   const size_t lanes = hn::Lanes(d);
   uint64_t bits = 0;
   size_t l = 0;
   for (; l + lanes <= count; l += lanes) {
+    if ((wanted >> l & ~uint64_t{0} >> (kWordObjects - lanes)) == 0) continue;
     bits |= HalfSpaceBits<kIsNearest>(d, LoadAll(), planes, query, begin + l)
             << l;
   }
@@ -131,10 +133,11 @@ struct FrontTest {
 template <size_t... kVector, size_t... kTerm, class D, class... V>
 HWY_INLINE void AddSums(std::index_sequence<kVector...>,
                         std::index_sequence<kTerm...>, D d,
-                        const FrontTest& test, size_t i, V&... least) {
+                        const float* const* planes, const FrontTest& test,
+                        size_t i, V&... least) {
   const hn::RebindToSigned<D> di;
   const size_t lanes = hn::Lanes(d);
-  const float* const from[] = {test.plane[kTerm] + i...};
+  const float* const from[] = {planes[kTerm] + i...};
   const auto sum_of = [&](size_t vector, auto... factor) HWY_ATTR {
     auto sum = hn::Set(d, test.offset);
     ((sum =
@@ -146,53 +149,25 @@ HWY_INLINE void AddSums(std::index_sequence<kVector...>,
    ...);
 }
 
-// Raises `most` to the bits of `count` floats, at least 64, as integers.
-template <class D, class V>
-HWY_INLINE V Raised(D d, const float* from, size_t count, V most) {
-  const hn::Repartition<float, D> df;
-  const size_t lanes = hn::Lanes(d);
-  // Each maximum waits for the one before.
-  V other = most;
-  size_t i = 0;
-  for (; i + 2 * lanes <= count; i += 2 * lanes) {
-    most = hn::Max(most, hn::BitCast(d, hn::LoadU(df, from + i)));
-    other = hn::Max(other, hn::BitCast(d, hn::LoadU(df, from + i + lanes)));
+// How near to 0 the sums of a vector can be without a verdict. Of a NaN it is
+// NaN.
+template <size_t kTerms, bool kIsShared, class D>
+HWY_INLINE hn::Vec<D> SlackOf(D d, const float* const* planes,
+                              const detail::HalfSpaceQuery& query, size_t i) {
+  if (query.slack < std::numeric_limits<float>::infinity()) {
+    return hn::Set(d, query.slack);
   }
-  for (; i < count; i += lanes) {
-    i = HWY_MIN(i, count - lanes);
-    most = hn::Max(most, hn::BitCast(d, hn::LoadU(df, from + i)));
+  // The greatest bits are those of the greatest float.
+  const hn::RebindToSigned<D> di;
+  auto most = hn::Zero(di);
+  HALFSPACE_UNROLL
+  for (size_t t = 0; t < (kIsShared ? 1 : 2) * kTerms; ++t) {
+    const size_t p = t < kTerms ? t : query.tests.max_plane + t - kTerms;
+    const auto size = hn::Abs(hn::LoadU(d, planes[p] + i));
+    most = hn::Max(most, hn::BitCast(di, size));
   }
-  return hn::Max(most, other);
-}
-
-// The slack of the sums of objects begin ... begin + count - 1. Of the bits of
-// floats as signed integers the greatest is the greatest number, and as
-// unsigned ones that of the least, if any is negative, or a NaN.
-HWY_NOINLINE float Slack(const float* const* planes,
-                         const detail::HalfSpaceQuery& query, size_t begin,
-                         size_t count) {
-  const hn::RebindToSigned<WordTag<float>> di;
-  const hn::RebindToUnsigned<WordTag<float>> du;
-  auto high = hn::Zero(di);
-  auto low = hn::Zero(du);
-  for (size_t p = 0; p < query.terms; ++p) {
-    high = Raised(di, planes[query.tests.max_plane + p] + begin, count, high);
-  }
-  for (size_t p = 0; p < query.terms; ++p) {
-    low = Raised(du, planes[p] + begin, count, low);
-  }
-  const WordTag<float> d;
-  const auto most =
-      hn::Max(high, hn::BitCast(di, hn::Abs(hn::BitCast(d, low))));
-  return hn::GetLane(hn::BitCast(d, hn::MaxOfLanes(di, most))) *
-             detail::kSumSlack +
-         0x1p-110f;
-}
-
-// The bits of the masks of several vectors.
-template <size_t... kVector, class D, class... M>
-HWY_INLINE uint64_t BitsOf(std::index_sequence<kVector...>, D d, M... masks) {
-  return (... | (LaneBits(d, masks) << (kVector * hn::Lanes(d))));
+  return hn::MulAdd(hn::BitCast(d, most), hn::Set(d, detail::kSumSlack),
+                    hn::Set(d, 0x1p-110f));
 }
 
 // Bits of the lanes in which all of `sums` are negative.
@@ -202,143 +177,178 @@ HWY_INLINE uint64_t AllNegative(D d, V sums, Vs... more) {
   return LaneBits(d, hn::Lt(sums, hn::Zero(d)));
 }
 
-// The objects that are not behind a half-space. `unknown` are those that
-// HalfSpaceWord() has to decide about.
-template <size_t kTerms, class D, class... V>
-HWY_INLINE uint64_t FrontBits(D d, const FrontTest* tests, size_t count,
-                              size_t i, float its_slack, size_t* exits,
-                              uint64_t& unknown, V... least) {
-  constexpr std::index_sequence_for<V...> kVectors;
+// The verdict on the sums of a vector, of which a word begins with object l.
+template <class D>
+HWY_INLINE void AddVerdict(D d, hn::Vec<D> sum, hn::Vec<D> slack, size_t l,
+                           uint64_t& behind, uint64_t& in_front) {
+  behind |= LaneBits(d, hn::Lt(sum, hn::Neg(slack))) << l;
+  in_front |= LaneBits(d, hn::Ge(sum, slack)) << l;
+}
+
+// The objects of several vectors that are behind a half-space. `unknown` are
+// those that HalfSpaceWord() has to decide about.
+template <size_t kTerms, bool kIsShared, size_t... kVector, class D, class... V>
+HWY_INLINE uint64_t BehindBits(std::index_sequence<kVector...> vectors, D d,
+                               const float* const* planes,
+                               const FrontTest* tests,
+                               const detail::HalfSpaceQuery& query, size_t i,
+                               size_t* exits, uint64_t& unknown, V... least) {
   const hn::RebindToSigned<D> di;
   const size_t lanes = hn::Lanes(d);
   const uint64_t all = ~uint64_t{0} >> (kWordObjects - sizeof...(V) * lanes);
-  const auto slack = hn::Set(d, its_slack);
-  const auto below = hn::Neg(slack);
+  const size_t count = query.front_count;
   for (size_t f = 0; f < count; ++f) {
-    AddSums(kVectors, std::make_index_sequence<kTerms>(), d, tests[f], i,
-            least...);
+    AddSums(vectors, std::make_index_sequence<kTerms>(), d,
+            tests[kIsShared ? 0 : f].plane, tests[f], i, least...);
     if (exits != nullptr && f == count / 2 &&
-        AllNegative(di, least...) == ~uint64_t{0} >> (kWordObjects - lanes) &&
-        BitsOf(kVectors, d, hn::Lt(hn::BitCast(d, least), below)...) == all) {
-      *exits += sizeof...(V) * lanes;
-      break;
+        AllNegative(di, least...) == ~uint64_t{0} >> (kWordObjects - lanes)) {
+      uint64_t behind = 0;
+      unknown = 0;
+      (AddVerdict(
+           d, hn::BitCast(d, least),
+           SlackOf<kTerms, kIsShared>(d, planes, query, i + kVector * lanes),
+           kVector * lanes, behind, unknown),
+       ...);
+      if (behind == all) {
+        *exits += sizeof...(V) * lanes;
+        return all;
+      }
     }
   }
-  const uint64_t behind =
-      BitsOf(kVectors, d, hn::Lt(hn::BitCast(d, least), below)...);
-  const uint64_t in_front =
-      BitsOf(kVectors, d, hn::Ge(hn::BitCast(d, least), slack)...);
+  uint64_t behind = 0;
+  uint64_t in_front = 0;
+  (AddVerdict(d, hn::BitCast(d, least),
+              SlackOf<kTerms, kIsShared>(d, planes, query, i + kVector * lanes),
+              kVector * lanes, behind, in_front),
+   ...);
   unknown = ~(behind | in_front) & all;
-  return all & ~behind;
+  return behind;
 }
 
-template <size_t kTerms>
+// As many vectors are tested together as registers hold: each factor is read
+// once for them, and each plane, if all tests read the same.
+template <size_t kTerms, bool kIsShared>
 HWY_INLINE uint64_t FrontWord(const float* const* planes,
                               const FrontTest* tests,
                               const detail::HalfSpaceQuery& query, size_t i,
-                              float slack, size_t* exits) {
+                              size_t* exits) {
   const WordTag<float> d;
   const hn::RebindToSigned<decltype(d)> di;
   const auto most = hn::Set(di, 0x7fffffff);
-  uint64_t bits = 0;
-  uint64_t unknown = 0;
 #if HWY_HAVE_SCALABLE
-  for (size_t l = 0; l < kWordObjects; l += hn::Lanes(d)) {
-    uint64_t some;
-    bits |= FrontBits<kTerms>(d, tests, query.front_count, i + l, slack, exits,
-                              some, most)
-            << l;
-    unknown |= some << l;
-  }
+  constexpr size_t kVectors = 1;
 #else
-  // Each factor is read once for as many vectors as registers hold.
   constexpr size_t kLanes = hn::MaxLanes(WordTag<float>());
-  constexpr size_t kVectors = kLanes == 8 ? 8 : 4;
-  for (size_t l = 0; l < kWordObjects; l += kVectors * kLanes) {
+  constexpr size_t kVectors = kLanes == 16  ? 4
+                              : kIsShared   ? 2
+                              : kLanes == 8 ? 8
+                                            : 4;
+#endif
+  constexpr std::make_index_sequence<kVectors> kNumbers;
+  uint64_t behind = 0;
+  uint64_t unknown = 0;
+  for (size_t l = 0; l < kWordObjects; l += kVectors * hn::Lanes(d)) {
+    uint64_t bits;
     uint64_t some;
-    if constexpr (kVectors == 8) {
-      bits |= FrontBits<kTerms>(d, tests, query.front_count, i + l, slack,
-                                exits, some, most, most, most, most, most, most,
-                                most, most);
+    if constexpr (kVectors == 1) {
+      bits = BehindBits<kTerms, kIsShared>(kNumbers, d, planes, tests, query,
+                                           i + l, exits, some, most);
+    } else if constexpr (kVectors == 2) {
+      bits = BehindBits<kTerms, kIsShared>(kNumbers, d, planes, tests, query,
+                                           i + l, exits, some, most, most);
+    } else if constexpr (kVectors == 4) {
+      bits = BehindBits<kTerms, kIsShared>(kNumbers, d, planes, tests, query,
+                                           i + l, exits, some, most, most, most,
+                                           most);
     } else {
-      bits |= FrontBits<kTerms>(d, tests, query.front_count, i + l, slack,
-                                exits, some, most, most, most, most)
-              << l;
+      bits = BehindBits<kTerms, kIsShared>(kNumbers, d, planes, tests, query,
+                                           i + l, exits, some, most, most, most,
+                                           most, most, most, most, most);
     }
+    behind |= bits << l;
     unknown |= some << l;
   }
-#endif
   if (HWY_UNLIKELY(unknown != 0)) {
-    bits &= ~unknown | HalfSpaceWord(planes, query, i, kWordObjects);
+    behind |= unknown & ~HalfSpaceWord(planes, query, i, kWordObjects, unknown);
   }
-  return bits;
+  return ~behind;
 }
 
-// How many objects the word that begins at object i lacks.
-constexpr size_t PastWord(size_t count, size_t i) {
-  return i + kWordObjects > count ? i + kWordObjects - count : 0;
-}
-
-// The spheres near the box, of at least 64.
-HWY_NOINLINE void NearWords(const float* const* planes,
-                            const detail::HalfSpaceQuery& query, size_t begin,
-                            size_t count, uint64_t* words) {
+// The objects of a word that touch a box, whose minima and maxima are `box`.
+template <size_t... kAxis>
+HWY_INLINE uint64_t TouchingWord(std::index_sequence<kAxis...>,
+                                 const float* const* planes,
+                                 const detail::HalfSpaceQuery& query,
+                                 size_t i) {
   const WordTag<float> d;
-  const size_t lanes = hn::Lanes(d);
-  for (size_t i = 0; i < count; i += kWordObjects) {
-    const size_t past = PastWord(count, i);
-    uint64_t far = 0;
-    for (size_t l = 0; l < kWordObjects; l += lanes) {
-      far |=
-          LaneBits(d, IsFar(d, LoadAll(), planes, query, begin + i - past + l))
-          << l;
-    }
-    words[i / kWordObjects] = ~far >> past;
-  }
+  const float* of_box[] = {planes[kAxis]...,
+                           planes[query.tests.max_plane + kAxis]...};
+  return KeptBits<sizeof...(kAxis)>(
+      d, LoadAll(), of_box, i,
+      hn::Set(d, query.box[sizeof...(kAxis) + kAxis])...,
+      hn::Set(d, query.box[kAxis])...);
 }
 
-// Writes the survivors of objects begin ... begin + count - 1, at least 64 and
-// at most a tile. The objects that miss the box are tested no further.
-void FrontWords(const float* const* planes, const FrontTest* tests,
-                const detail::HalfSpaceQuery& query, size_t begin, size_t count,
-                size_t* exits, uint64_t* words) {
-  const size_t dims = query.tests.box_dims;
-  const float* of_box[6];
-  for (size_t k = 0; k < dims; ++k) {
-    of_box[k] = planes[k];
-    of_box[dims + k] = planes[query.tests.max_plane + k];
+// The objects of a word that touch the box of the query, if it has one.
+HWY_INLINE uint64_t NearWord(const float* const* planes,
+                             const detail::HalfSpaceQuery& query, size_t i) {
+  if (query.tests.box_dims == 3) {
+    return TouchingWord(std::make_index_sequence<3>(), planes, query, i);
   }
-  if (dims == 3) {
-    FlatMask<3, 3, OneTag<float>>(of_box, begin, count, query.box, words);
-  } else if (dims == 2) {
-    FlatMask<2, 2, OneTag<float>>(of_box, begin, count, query.box, words);
-  } else if (query.near_dims != 0) {
-    NearWords(planes, query, begin, count, words);
-  } else {
-    for (size_t i = 0; i < count; i += kWordObjects) {
-      words[i / kWordObjects] = ~uint64_t{0} >> PastWord(count, i);
+  if (query.tests.box_dims == 2) {
+    return TouchingWord(std::make_index_sequence<2>(), planes, query, i);
+  }
+  if (query.near_dims == 0) return ~uint64_t{0};
+  const WordTag<float> d;
+  uint64_t far = 0;
+  for (size_t l = 0; l < kWordObjects; l += hn::Lanes(d)) {
+    far |= LaneBits(d, IsFar(d, LoadAll(), planes, query, i + l)) << l;
+  }
+  return ~far;
+}
+
+// Writes the survivors of objects begin ... begin + count - 1, at least 64. The
+// words that miss the box are tested no further.
+template <size_t kTerms, bool kIsShared>
+HWY_NOINLINE void FrontWords(const float* const* planes,
+                             const detail::HalfSpaceQuery& query, size_t begin,
+                             size_t count, uint64_t* words) {
+  FrontTest tests[detail::kMostHalfSpaces];
+  for (size_t f = 0; f < query.front_count; ++f) {
+    const detail::HalfSpaceTest& test = query.tests.test[query.front[f]];
+    tests[f].offset = test.offset;
+    for (size_t t = 0; t < kTerms; ++t) {
+      tests[f].plane[t] = planes[kIsShared ? t : test.term[0].plane];
+      tests[f].factor[t] = 0;
+    }
+    for (size_t t = 0; t < test.terms; ++t) {
+      const detail::HalfSpaceTest::Term& term = test.term[t];
+      const size_t to = kIsShared ? term.plane : t;
+      tests[f].plane[to] = planes[term.plane];
+      tests[f].factor[to] = term.more;
     }
   }
-  if (query.front_count == 0) return;
-  const float slack = query.slack < std::numeric_limits<float>::infinity()
-                          ? query.slack
-                          : Slack(planes, query, begin, count);
-  const auto test = [&](auto terms) HWY_ATTR {
-    for (size_t i = 0; i < count; i += kWordObjects) {
-      uint64_t& word = words[i / kWordObjects];
-      if (word == 0) continue;
-      const size_t past = PastWord(count, i);
-      word &= FrontWord<terms()>(planes, tests, query, begin + i - past, slack,
-                                 exits) >>
-              past;
+  // The number of objects of the last eight words that were all rejected
+  // halfway. In the order of a curve the next words are similar. In random
+  // order the branch takes a sixth of the time, so one run of 16 tries it.
+  constexpr size_t kRun = 8;
+  size_t exits = 0;
+  size_t* counted = nullptr;
+  for (size_t w = 0; w * kWordObjects < count; ++w) {
+    if (w % kRun == 0) {
+      const bool pays = 4 * exits > 3 * kRun * kWordObjects;
+      counted = pays || w / kRun % 16 == 1 ? &exits : nullptr;
+      exits = 0;
     }
-  };
-  if (query.terms == 2) {
-    test(std::integral_constant<size_t, 2>());
-  } else if (query.terms == 3) {
-    test(std::integral_constant<size_t, 3>());
-  } else {
-    test(std::integral_constant<size_t, 4>());
+    // The last word begins as many objects earlier as it lacks.
+    const size_t end = (w + 1) * kWordObjects;
+    const size_t past = end > count ? end - count : 0;
+    const size_t i = begin + end - kWordObjects - past;
+    uint64_t word = NearWord(planes, query, i);
+    if (word != 0 && query.front_count != 0) {
+      word &= FrontWord<kTerms, kIsShared>(planes, tests, query, i, counted);
+    }
+    words[w] = word >> past;
   }
 }
 
@@ -355,42 +365,22 @@ void KeepInsides(const float* const* planes,
 
 void HalfSpaceMask(const void* pointers, size_t begin, size_t count,
                    const void* values, uint64_t* words) noexcept {
-  // The planes of a tile stay in L1.
-  constexpr size_t kTile = 512;
   const auto* planes = static_cast<const float* const*>(pointers);
   const auto& query = *static_cast<const detail::HalfSpaceQuery*>(values);
   if (query.is_of_insides) {
     KeepInsides(planes, query, begin, count, words);
-    return;
-  }
-  // The number of objects of the last tile that were all rejected halfway. In
-  // the order of a curve the next tile is similar. In random order the branch
-  // takes a sixth of the time, so one tile of 16 tries it.
-  size_t exits = 0;
-  FrontTest tests[detail::kMostHalfSpaces];
-  if (count >= kWordObjects) {
-    for (size_t f = 0; f < query.front_count; ++f) {
-      const detail::HalfSpaceTest& test = query.tests.test[query.front[f]];
-      tests[f].offset = test.offset;
-      for (size_t t = 0; t < query.terms; ++t) {
-        tests[f].plane[t] = planes[test.term[t].plane];
-        tests[f].factor[t] = test.term[t].more;
-      }
-    }
-  }
-  for (size_t i = 0; i < count; i += kTile) {
-    const size_t objects = HWY_MIN(kTile, count - i);
-    if (query.rejects_all) {
-      for (size_t w = 0; w * kWordObjects < objects; ++w) words[w] = 0;
-    } else if (objects >= kWordObjects) {
-      const bool tries = i / kTile % 16 == 1 || 4 * exits > 3 * kTile;
-      exits = 0;
-      FrontWords(planes, tests, query, begin + i, objects,
-                 tries ? &exits : nullptr, words);
-    } else {
-      *words = HalfSpaceWord(planes, query, begin + i, objects);
-    }
-    words += kTile / kWordObjects;
+  } else if (query.rejects_all) {
+    for (size_t w = 0; w * kWordObjects < count; ++w) words[w] = 0;
+  } else if (count < kWordObjects) {
+    if (count != 0) *words = HalfSpaceWord(planes, query, begin, count);
+  } else if (query.is_shared) {
+    (query.terms == 3
+         ? FrontWords<3, true>
+         : FrontWords<4, true>)(planes, query, begin, count, words);
+  } else {
+    (query.terms == 2
+         ? FrontWords<2, false>
+         : FrontWords<3, false>)(planes, query, begin, count, words);
   }
 }
 

@@ -29,10 +29,12 @@ struct HalfSpaceQuery {
   // The distance of kSumSlack for bounds that touch the box. Infinity if it
   // depends on the bounds.
   float slack;
-  // Numbers of the tests that can reject, and how many terms each has. Terms
-  // that a test lacks have the factor 0 and the plane of its first term.
+  // Numbers of the tests that can reject.
   std::uint8_t front[kMostHalfSpaces];
   std::uint8_t front_count;
+  // All tests read the same planes, one for each term. Otherwise a term has a
+  // minimum and a maximum.
+  bool is_shared;
   std::uint8_t terms;
 };
 

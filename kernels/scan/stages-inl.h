@@ -444,8 +444,10 @@ constexpr detail::TargetKernels MakeKernels() {
                                                              : kFewWords - 1;
     kernels.few_objects = (kMostWords + 1) * kWordObjects - 1;
     kernels.few_octahedra =
-        kHasVectors ? 48 * HWY_MIN(size_t{8}, hn::MaxLanes(OneTag<float>())) - 1
-                    : kWordObjects - 1;
+        HALFSPACE_MASKED_COMPARES ? kNearObjects<2 * kAxes, T>
+        : kHasVectors
+            ? 48 * HWY_MIN(size_t{8}, hn::MaxLanes(OneTag<float>())) - 1
+            : kWordObjects - 1;
     kernels.run[detail::kByAxis] = &ElementKernels<T>::ByAxis;
     kernels.run[detail::kByHalf] =
         kAxes > 2 ? &ElementKernels<T>::ByHalf : &ElementKernels<T>::ByAxis;

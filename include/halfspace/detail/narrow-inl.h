@@ -35,10 +35,9 @@ inline constexpr size_t kWordObjects = 64;
 template <typename T>
 using WordTag = hn::CappedTag<T, kWordObjects>;
 
-// The vectors for one query, where each compare has a load, unless 512 bits are
-// known to pay (dispatch/targets/detect_targets.h). With AVX-512, on Zen 4, 256
-// bits are 10 to 25 % faster than 512 in L1, and 3 to 9 % in memory; 512 bits
-// are faster where queries share loads.
+// The vectors of one query on planes out of the first-level cache, unless 512
+// bits are known to pay (dispatch/targets/detect_targets.h). With AVX-512, 256
+// bits take 0.8 to 0.9 of the time of 512 in L2 (Zen 5), and as long beyond.
 #if HALFSPACE_MASKED_COMPARES
 template <typename T>
 using OneTag = hn::CappedTag<T, 32 / sizeof(T)>;

@@ -131,11 +131,14 @@ HWY_INLINE uint64_t VerdictBits(D d, VerdictOf<D> verdict) {
   }
 #endif
 #if HALFSPACE_MASKED_COMPARES
-  if constexpr (kIsHalf<D>)
+  if constexpr (kIsHalf<D>) {
     return LaneBits(d, hn::MaskFromVec(verdict));
-  else
+  } else {
+    return LaneBits(d, MaskOf(verdict));
+  }
+#else
+  return LaneBits(d, verdict);
 #endif
-    return LaneBits(d, verdict);
 }
 
 // The verdicts of vectors 0, 1, ... after object i.
