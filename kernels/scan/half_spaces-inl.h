@@ -157,7 +157,8 @@ HWY_INLINE hn::Vec<D> SlackOf(D d, const float* const* planes,
   if (query.slack < std::numeric_limits<float>::infinity()) {
     return hn::Set(d, query.slack);
   }
-  // The greatest bits are those of the greatest float.
+  // The bits of a greater float are a greater integer, and of a NaN the
+  // greatest.
   const hn::RebindToSigned<D> di;
   auto most = hn::Zero(di);
   HALFSPACE_UNROLL
@@ -177,12 +178,11 @@ HWY_INLINE uint64_t AllNegative(D d, V sums, Vs... more) {
   return LaneBits(d, hn::Lt(sums, hn::Zero(d)));
 }
 
-// The verdict on the sums of a vector, of which a word begins with object l.
+// Whether each sum is so far from 0 that its sign is the verdict.
 template <class D>
-HWY_INLINE void AddVerdict(D d, hn::Vec<D> sum, hn::Vec<D> slack, size_t l,
-                           uint64_t& behind, uint64_t& in_front) {
-  behind |= LaneBits(d, hn::Lt(sum, hn::Neg(slack))) << l;
-  in_front |= LaneBits(d, hn::Ge(sum, slack)) << l;
+HWY_INLINE hn::Mask<D> IsCertain(D d, hn::Vec<hn::RebindToSigned<D>> sum,
+                                 hn::Vec<D> slack) {
+  return hn::Ge(hn::Abs(hn::BitCast(d, sum)), slack);
 }
 
 // The objects of several vectors that are behind a half-space. `unknown` are
@@ -195,34 +195,44 @@ HWY_INLINE uint64_t BehindBits(std::index_sequence<kVector...> vectors, D d,
                                size_t* exits, uint64_t& unknown, V... least) {
   const hn::RebindToSigned<D> di;
   const size_t lanes = hn::Lanes(d);
-  const uint64_t all = ~uint64_t{0} >> (kWordObjects - sizeof...(V) * lanes);
   const size_t count = query.front_count;
+  const uint64_t of_vector = ~uint64_t{0} >> (kWordObjects - lanes);
+  bool is_certain = false;
+  const auto check = [&]() HWY_ATTR {
+    auto certain = hn::FirstN(d, lanes);
+    ((certain = hn::And(
+          certain, IsCertain(d, least,
+                             SlackOf<kTerms, kIsShared>(d, planes, query,
+                                                        i + kVector * lanes)))),
+     ...);
+    return hn::AllTrue(d, certain);
+  };
   for (size_t f = 0; f < count; ++f) {
     AddSums(vectors, std::make_index_sequence<kTerms>(), d,
             tests[kIsShared ? 0 : f].plane, tests[f], i, least...);
-    if (exits != nullptr && f == count / 2 &&
-        AllNegative(di, least...) == ~uint64_t{0} >> (kWordObjects - lanes)) {
-      uint64_t behind = 0;
-      unknown = 0;
-      (AddVerdict(
-           d, hn::BitCast(d, least),
-           SlackOf<kTerms, kIsShared>(d, planes, query, i + kVector * lanes),
-           kVector * lanes, behind, unknown),
-       ...);
-      if (behind == all) {
-        *exits += sizeof...(V) * lanes;
-        return all;
-      }
+    const bool is_last = f + 1 == count;
+    if (!is_last && (exits == nullptr || f != count / 2 ||
+                     AllNegative(di, least...) != of_vector)) {
+      continue;
+    }
+    is_certain = check();
+    if (is_certain && !is_last) {
+      *exits += sizeof...(V) * lanes;
+      break;
     }
   }
-  uint64_t behind = 0;
-  uint64_t in_front = 0;
-  (AddVerdict(d, hn::BitCast(d, least),
-              SlackOf<kTerms, kIsShared>(d, planes, query, i + kVector * lanes),
-              kVector * lanes, behind, in_front),
-   ...);
-  unknown = ~(behind | in_front) & all;
-  return behind;
+  unknown = 0;
+  if (HWY_UNLIKELY(!is_certain)) {
+    ((unknown |=
+      (~LaneBits(d, IsCertain(d, least,
+                              SlackOf<kTerms, kIsShared>(
+                                  d, planes, query, i + kVector * lanes))) &
+       of_vector)
+      << (kVector * lanes)),
+     ...);
+  }
+  return (... |
+          (LaneBits(di, hn::Lt(least, hn::Zero(di))) << (kVector * lanes)));
 }
 
 // As many vectors are tested together as registers hold: each factor is read
@@ -238,11 +248,8 @@ HWY_INLINE uint64_t FrontWord(const float* const* planes,
 #if HWY_HAVE_SCALABLE
   constexpr size_t kVectors = 1;
 #else
-  constexpr size_t kLanes = hn::MaxLanes(WordTag<float>());
-  constexpr size_t kVectors = kLanes == 16  ? 4
-                              : kIsShared   ? 2
-                              : kLanes == 8 ? 8
-                                            : 4;
+  // With 16 registers two vectors of each shared plane fit.
+  constexpr size_t kVectors = kIsShared && hn::MaxLanes(d) < 16 ? 2 : 4;
 #endif
   constexpr std::make_index_sequence<kVectors> kNumbers;
   uint64_t behind = 0;
@@ -256,19 +263,16 @@ HWY_INLINE uint64_t FrontWord(const float* const* planes,
     } else if constexpr (kVectors == 2) {
       bits = BehindBits<kTerms, kIsShared>(kNumbers, d, planes, tests, query,
                                            i + l, exits, some, most, most);
-    } else if constexpr (kVectors == 4) {
-      bits = BehindBits<kTerms, kIsShared>(kNumbers, d, planes, tests, query,
-                                           i + l, exits, some, most, most, most,
-                                           most);
     } else {
       bits = BehindBits<kTerms, kIsShared>(kNumbers, d, planes, tests, query,
                                            i + l, exits, some, most, most, most,
-                                           most, most, most, most, most);
+                                           most);
     }
     behind |= bits << l;
     unknown |= some << l;
   }
   if (HWY_UNLIKELY(unknown != 0)) {
+    behind &= ~unknown;
     behind |= unknown & ~HalfSpaceWord(planes, query, i, kWordObjects, unknown);
   }
   return ~behind;
