@@ -48,11 +48,10 @@
 //
 // Cost: three multiply-adds an object and half-space (a sphere: four), and a
 // compare an axis-aligned one. `./bench.sh --details culling` compares it with
-// loops by hand. What those lack costs up to a third: without a box around the
+// loops by hand. What those lack costs up to a half: without a box around the
 // region, each plane is also read for its magnitude, from which follows which
-// sums are too near to 0 to decide. A NaN or an infinity
-// there has up to 512 objects tested twice. From a few thousand objects on, a
-// BVH is faster.
+// sums are too near to 0 to decide. Objects near a NaN or an infinity are
+// tested twice. From a few thousand objects on, a BVH is faster.
 //
 // Source: the support function of a box is common knowledge. Spheres: "The
 // Bounding Simplex: A SIMD-Era Rejection Primitive", section 2.1.

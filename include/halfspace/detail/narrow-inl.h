@@ -96,8 +96,8 @@ HWY_INLINE MaskBytes NarrowPair(MaskBytes low, MaskBytes high) {
 #endif
 }
 
-template <class D>
-HWY_INLINE hn::Vec<D> VectorOf(D d, VerdictOf<D> verdict) {
+template <class D, class Verdict>
+HWY_INLINE hn::Vec<D> VectorOf(D d, Verdict verdict) {
 #if HALFSPACE_MASKED_COMPARES
   (void)d;
   return verdict;

@@ -222,20 +222,28 @@ HWY_INLINE hn::Mask<D> MaskOf(WideVerdict<D> verdict) {
   }
 }
 
+template <class D>
+HWY_INLINE hn::Mask<D> MaskOf(hn::Mask<D> kept) {
+  return kept;
+}
+
 // Vectors of 256 bits are for one query (OneTag), and are compared to vectors.
 template <class D>
 inline constexpr bool kIsHalf = hn::MaxLanes(D()) * sizeof(hn::TFromD<D>) == 32;
 template <class D>
-using VerdictOf = std::conditional_t<kIsHalf<D>, hn::Vec<D>, WideVerdict<D>>;
-template <class D>
 inline constexpr bool kVerdictIsKept = !kIsHalf<D>;
 
-template <bool kIsMin, class D, class V>
-HWY_INLINE VerdictOf<D> FirstVerdict(D d, V object, V query) {
+// With kIsFew only one plane follows, or none. Masks alone are faster then.
+template <bool kIsMin, bool kIsFew, class D, class V>
+HWY_INLINE auto FirstVerdict(D d, V object, V query) {
+  (void)d;
   if constexpr (kIsHalf<D>) {
-    (void)d;
     return kRejectsAbove<kIsMin, hn::TFromD<D>> ? IsBelow(query, object)
                                                 : IsBelow(object, query);
+  } else if constexpr (kIsFew) {
+    using Bits = decltype(hn::Mask<D>::raw);
+    const Bits all = static_cast<Bits>(~Bits{0});
+    return hn::Mask<D>{KeptAnd<kIsMin>(all, object, query)};
   } else {
     WideVerdict<D> verdict;
     AddWideVerdict<kIsMin>(d, true, false, object, query, verdict);
@@ -243,11 +251,12 @@ HWY_INLINE VerdictOf<D> FirstVerdict(D d, V object, V query) {
   }
 }
 
-template <bool kIsMin, bool kIsLast, class D, class V>
-HWY_INLINE VerdictOf<D> NextVerdict(D d, VerdictOf<D> before, V object,
-                                    V query) {
+template <bool kIsMin, bool kIsLast, class D, class Before, class V>
+HWY_INLINE Before NextVerdict(D d, Before before, V object, V query) {
   if constexpr (kIsHalf<D>) {
-    return hn::Or(before, FirstVerdict<kIsMin>(d, object, query));
+    return hn::Or(before, FirstVerdict<kIsMin, true>(d, object, query));
+  } else if constexpr (std::is_same_v<Before, hn::Mask<D>>) {
+    return {KeptAnd<kIsMin>(before.raw, object, query)};
   } else {
     AddWideVerdict<kIsMin>(d, false, kIsLast, object, query, before);
     return before;
@@ -256,8 +265,6 @@ HWY_INLINE VerdictOf<D> NextVerdict(D d, VerdictOf<D> before, V object,
 
 #else  // HALFSPACE_MASKED_COMPARES
 
-template <class D>
-using VerdictOf = hn::Mask<D>;
 template <class D>
 inline constexpr bool kVerdictIsKept = false;
 
@@ -276,7 +283,7 @@ HWY_INLINE hn::Mask256<T> IsAbove(hn::Vec256<T> object, hn::Vec256<T> query) {
 }
 #endif
 
-template <bool kIsMin, class D, class V>
+template <bool kIsMin, bool /*kIsFew*/, class D, class V>
 HWY_INLINE hn::Mask<D> FirstVerdict(D /*d*/, V object, V query) {
   if constexpr (kRejectsAbove<kIsMin, hn::TFromD<D>>) {
     return IsAbove(object, query);
@@ -300,18 +307,19 @@ HWY_INLINE M EitherMask(M a, M b) {
 template <bool kIsMin, bool /*kIsLast*/, class D, class V>
 HWY_INLINE hn::Mask<D> NextVerdict(D d, hn::Mask<D> rejected, V object,
                                    V query) {
-  return EitherMask(rejected, FirstVerdict<kIsMin>(d, object, query));
+  return EitherMask(rejected, FirstVerdict<kIsMin, true>(d, object, query));
 }
 
 #endif  // HALFSPACE_MASKED_COMPARES
 
 // Adds the verdict of planes[0], planes[1], ... on objects i, i + 1, ..., one
 // plane for each query vector; the first kMins planes are minima.
-template <size_t kMins, class D, class Load, typename T, class V, class... Rest>
-HWY_INLINE VerdictOf<D> AddVerdicts(D d, VerdictOf<D> before, Load load,
-                                    const T* const* planes, size_t i, V query,
-                                    Rest... rest) {
-  const VerdictOf<D> verdict = NextVerdict<(kMins > 0), sizeof...(Rest) == 0>(
+template <size_t kMins, class D, class Load, typename T, class Before, class V,
+          class... Rest>
+HWY_INLINE Before AddVerdicts(D d, Before before, Load load,
+                              const T* const* planes, size_t i, V query,
+                              Rest... rest) {
+  const Before verdict = NextVerdict<(kMins > 0), sizeof...(Rest) == 0>(
       d, before, load(d, planes[0] + i), query);
   if constexpr (sizeof...(Rest) == 0) {
     return verdict;
@@ -322,10 +330,10 @@ HWY_INLINE VerdictOf<D> AddVerdicts(D d, VerdictOf<D> before, Load load,
 }
 
 template <size_t kMins, class D, class Load, typename T, class V, class... Rest>
-HWY_INLINE VerdictOf<D> Verdict(D d, Load load, const T* const* planes,
-                                size_t i, V query, Rest... rest) {
-  const VerdictOf<D> first =
-      FirstVerdict<(kMins > 0)>(d, load(d, planes[0] + i), query);
+HWY_INLINE auto Verdict(D d, Load load, const T* const* planes, size_t i,
+                        V query, Rest... rest) {
+  const auto first = FirstVerdict<(kMins > 0), (sizeof...(Rest) < 2)>(
+      d, load(d, planes[0] + i), query);
   if constexpr (sizeof...(Rest) == 0) {
     return first;
   } else {

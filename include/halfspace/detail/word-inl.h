@@ -122,8 +122,8 @@ HWY_INLINE uint64_t LaneBits(D d, hn::Mask<D> mask) {
 }
 
 // Bit l of the result = lane l of the verdict; zero above the lanes.
-template <class D>
-HWY_INLINE uint64_t VerdictBits(D d, VerdictOf<D> verdict) {
+template <class D, class Verdict>
+HWY_INLINE uint64_t VerdictBits(D d, Verdict verdict) {
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2
   if constexpr (hn::MaxLanes(D()) == 8 && sizeof(hn::TFromD<D>) == 4) {
     // As LaneBits, without an instruction that clears bits that are 0 already.
@@ -134,7 +134,7 @@ HWY_INLINE uint64_t VerdictBits(D d, VerdictOf<D> verdict) {
   if constexpr (kIsHalf<D>) {
     return LaneBits(d, hn::MaskFromVec(verdict));
   } else {
-    return LaneBits(d, MaskOf(verdict));
+    return LaneBits(d, MaskOf<D>(verdict));
   }
 #else
   return LaneBits(d, verdict);
