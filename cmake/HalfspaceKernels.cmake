@@ -43,7 +43,7 @@ target_include_directories(halfspace PRIVATE "${PROJECT_BINARY_DIR}/kernels")
 
 # In d dimensions a box has d axes, and the other shapes have d + 1: a shape of
 # another number adds that here.
-set(HALFSPACE_DIMS "2;3;4" CACHE STRING
+set(HALFSPACE_DIMS "2;3" CACHE STRING
     "Dimensions to compile: a list of 2, 3 and 4")
 if(NOT HALFSPACE_DIMS MATCHES "^[234](;[234])*$")
   message(FATAL_ERROR "halfspace: HALFSPACE_DIMS is a list of 2, 3 and 4, "

@@ -193,9 +193,9 @@ void ScanSpheres(const float* const* planes, const float* query, size_t size,
       const auto square =
           hn::MulAdd(dz, dz, hn::MulAdd(dy, dy, hn::Mul(dx, dx)));
       // As in the library's verdicts, what is above is rejected.
-      bits |=
-          VerdictBits(d, FirstVerdict<true>(d, square, hn::Mul(reach, reach)))
-          << l;
+      bits |= VerdictBits(
+                  d, FirstVerdict<true, true>(d, square, hn::Mul(reach, reach)))
+              << l;
     }
     mask[i / kWordObjects] = kVerdictIsKept<OneTag<float>> ? bits : ~bits;
   }

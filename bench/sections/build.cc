@@ -208,16 +208,6 @@ void AddSingles(Run& run, Table& table) {
     return {{b[i], c[i], a[i]}, c[i]};
   };
   // Around a, closed: a cube whose faces lean by a little.
-  const auto planes_of = [&](I i) {
-    std::array<HalfSpace3, 6> planes{};
-    for (I f = 0; f < planes.size(); ++f) {
-      auto& [normal, offset] = planes[f];
-      for (I k = 0; k < 3; ++k) normal[k] = 0.002f * b[i][k];
-      normal[f / 2] += f % 2 == 0 ? 1.0f : -1.0f;
-      offset = length[i] - Dot(normal, a[i]);
-    }
-    return planes;
-  };
 
   Contest contest(run, "single");
   // build(i) bounds shape i, or as many `items` of it.
@@ -269,7 +259,6 @@ void AddSingles(Run& run, Table& table) {
     BoundSegmentPieces<3>({a[i], b[i]}, pieces);
     return pieces.back();
   });
-  add("BoundFrustum", 1, [&](I i) { return BoundFrustum(planes_of(i)); });
   add("BoundTransformed, a point", 1, [&](I i) {
     return BoundTransformed(Points3{a[i].data(), 1}, map_of(i));
   });

@@ -1,5 +1,7 @@
 // Rays, and long segments in pieces.
+#include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -9,7 +11,6 @@
 #include "dispatch/exact/exact_bound.h"
 #include "dispatch/exact/exact_terms.h"
 #include "dispatch/exact/outward.h"
-#include "dispatch/exact/quotient.h"
 #include "dispatch/fit/any_shape.h"
 #include "halfspace/fit.h"
 
@@ -48,6 +49,31 @@ std::optional<Aabo<kDims>> TryRay(const Ray<kDims, Scalar>& ray) {
   return ranges.Bound();
 }
 
+// The relative error of value / value. Both values are off by less than an ulp,
+// 2^-52, and the division rounds once.
+constexpr double kQuotientError = 0x1p-50;
+
+// Returns a float that is not above numerator / denominator. The denominator is
+// not 0. It is the largest such float if doubles hold both sums, and else at
+// most one float below that. Both sums must be far from the limits of double.
+float QuotientDown(const ExactSum& numerator, const ExactSum& denominator) {
+  const double quotient = numerator.value / denominator.value;
+  if (numerator.rest == 0.0 && denominator.rest == 0.0) {
+    const double remainder =
+        std::fma(-quotient, denominator.value, numerator.value);
+    const bool is_above = (remainder < 0.0 && denominator.value > 0.0) ||
+                          (remainder > 0.0 && denominator.value < 0.0);
+    return dispatch::RoundDown({quotient, is_above ? -1.0 : 0.0});
+  }
+  const double below = quotient - std::fabs(quotient) * kQuotientError;
+  return dispatch::RoundDown(
+      {std::nextafter(below, -std::numeric_limits<double>::infinity()), 0.0});
+}
+
+float QuotientUp(const ExactSum& numerator, const ExactSum& denominator) {
+  return -QuotientDown({-numerator.value, -numerator.rest}, denominator);
+}
+
 // Whole numbers that float holds.
 constexpr std::size_t kMostPieces = std::size_t{1} << 24;
 
@@ -55,8 +81,8 @@ constexpr std::size_t kMostPieces = std::size_t{1} << 24;
 template <int kDims>
 void SetQuotient(const ExactSum& exact, double divisor, std::size_t axis,
                  Aabo<kDims>& bound) {
-  bound.min[axis] = dispatch::QuotientDown(exact, {divisor, 0.0});
-  bound.max[axis] = dispatch::QuotientUp(exact, {divisor, 0.0});
+  bound.min[axis] = QuotientDown(exact, {divisor, 0.0});
+  bound.max[axis] = QuotientUp(exact, {divisor, 0.0});
 }
 
 // The bound of the point ((n - i) a + i b) / n of the segment.

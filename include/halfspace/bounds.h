@@ -5,7 +5,8 @@
 //
 // All of them are k-DOPs (discrete oriented polytopes): k half-spaces with
 // fixed normals. A k-DOP stores the minimum and the maximum of an object on a
-// few axes. In kDims dimensions these are the coordinate axes and one more, D:
+// few axes. In kDims dimensions these are the coordinate axes and one more, D
+// (queries in 4 dimensions need a library built with -DHALFSPACE_DIMS="2;3;4"):
 //
 //   axis index   0 ... kDims - 1   X, Y, Z, W
 //   axis index   kDims             D = -(X + Y + ...)

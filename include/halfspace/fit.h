@@ -32,9 +32,9 @@
 // the default mode and restore the caller's. A builder never traps. It can
 // raise exception flags, and clears none.
 //
-// Cost: tens to hundreds of ns, about 5 ns per point of a set, and about 20 us
-// for a frustum (`./bench.sh --details build`). Doubles take up to twice as
-// long, and up to four times in pieces and frusta.
+// Cost: tens to hundreds of ns, and about 5 ns per point of a set
+// (`./bench.sh --details build`). Doubles take up to twice as long, and up to
+// four times in pieces.
 //
 // Source: "The Bounding Simplex", for the axes. The outward rounding is this
 // library's own.
@@ -86,10 +86,6 @@ HALFSPACE_API void BoundImageOfPoints(const AnyShape& points, const void* map,
                                       bool is_map_double, FitStatus* status);
 HALFSPACE_API void BoundImageOfBox(const AnyShape& box, const void* map,
                                    bool is_map_double, FitStatus* status);
-
-// Of `count` planes.
-HALFSPACE_API void BoundFrustum(const AnyShape& planes, std::size_t count,
-                                FitStatus* status);
 
 template <int kDims, typename Scalar>
 AnyShape ShapeOf(const void* shape, void* bound) {
@@ -240,29 +236,6 @@ template <int kDims, typename Scalar = float>
 Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims, Scalar>& box,
                              FitStatus* status = nullptr) {
   return detail::Built<kDims, Scalar>(&detail::BoundOrientedBox, &box, status);
-}
-
-// Bounds the points in front of all six planes of a frustum, or of any convex
-// set with up to six faces; planes may repeat. If you know the eight corners,
-// pass them to BoundPoints, which is much faster.
-//   Within 1 ulp, X, Y and Z too.
-//   Everything() also if the planes do not close a volume. Otherwise Empty() if
-//   no point lies in front of all of them. With doubles also Everything() if a
-//   number of a plane is not 0 and differs from the largest number of its
-//   normal by a factor of more than 2^200.
-//   Throws if `planes.size()` is not 6, or if the pointer to the planes is null
-//   or misaligned.
-//   Cost: about 25 us, and up to ten times that if more than three planes meet
-//   in a point, exactly or nearly.
-inline Aabo3 BoundFrustum(Span<const HalfSpace3> planes,
-                          FitStatus* status = nullptr) {
-  return detail::Built<3, float>(&detail::BoundFrustum, planes.data(),
-                                 planes.size(), status);
-}
-inline Aabo3 BoundFrustum(Span<const HalfSpace<3, double>> planes,
-                          FitStatus* status = nullptr) {
-  return detail::Built<3, double>(&detail::BoundFrustum, planes.data(),
-                                  planes.size(), status);
 }
 
 // Bounds the exact image of a point set, or of a box, under an affine map. Call

@@ -119,12 +119,6 @@ void BuildShape(const Builder& builder, const Shape& shape,
     case Kind::kCapsule:
       bound = BoundCapsule(As<Capsule<kDims, T>>(numbers), status);
       return;
-    case Kind::kFrustum:
-      if constexpr (kDims == 3) {
-        using SixPlanes = std::array<HalfSpace<3, T>, 6>;
-        bound = BoundFrustum(As<SixPlanes>(numbers), status);
-      }
-      return;
     case Kind::kImageOfPoints:
       return transformed(Points<kDims, T>{numbers, kPointsOfSet});
     case Kind::kImageOfBox:

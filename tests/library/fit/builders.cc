@@ -93,7 +93,6 @@ std::vector<Builder> Builders(const std::vector<std::size_t>& all_dims) {
           {{Role::kCoordinate, dims}, {Role::kLength, 1}});
       add(Kind::kCapsule, "BoundCapsule",
           {{Role::kCoordinate, 2 * dims}, {Role::kLength, 1}});
-      if (dims == 3) add(Kind::kFrustum, "BoundFrustum", {{Role::kPlane, 24}});
       for (bool is_map_double : {false, true}) {
         const char* const suffix = is_map_double ? "MapDouble" : "Map";
         Builder& points = add(
@@ -173,9 +172,6 @@ Shape ShapeOfOnes(const Builder& builder) {
   Shape shape;
   for (std::size_t i = 0; i < builder.roles.size(); ++i) {
     shape.Set(i, 1.0);
-    if (builder.kind == Kind::kFrustum && i % 4 != 3) {
-      shape.Set(i, i % 4 != i / 8 ? 0.0 : i / 4 % 2 == 0 ? 1.0 : -1.0);
-    }
     // A simplex that contains a point.
     if (builder.kind == Kind::kChange && builder.roles[i] == Role::kMinimum) {
       shape.Set(i, -1.0);
@@ -198,16 +194,6 @@ Shape SeededShape(const Builder& builder, SeededNumbers& numbers) {
       case Role::kFactor:
         number = numbers.WithExponent(-4, 3);
         if (builder.part >= Part::kUp) number = std::fabs(number);
-        break;
-      case Role::kPlane:
-        // Leaning faces around a point that is surely inside.
-        if (i % 4 == 3) {
-          number = std::fabs(numbers.WithExponent(-4, 3));
-        } else if (i % 4 == i / 8) {
-          number = i / 4 % 2 == 0 ? 1 : -1;
-        } else {
-          number = numbers.WithExponent(-6, -3);
-        }
         break;
       case Role::kMaximum:
         // Not an inverted box.

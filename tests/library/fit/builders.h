@@ -31,7 +31,6 @@ enum class Kind {
   kOrientedBox,
   kSphere,
   kCapsule,
-  kFrustum,
   kImageOfPoints,  // numbers of the points, then of the map
   kImageOfBox,
   kChange,  // numbers of a bound, then of the argument
@@ -60,7 +59,6 @@ enum class Role {
   kLength,  // refused if it is negative or NaN
   kMinimum,
   kMaximum,
-  kPlane,  // of a frustum
   kFactor,
 };
 
@@ -167,7 +165,7 @@ std::vector<Builder> Changes(const std::vector<std::size_t>& dims = TestDims());
 // The row of one kind.
 const Builder& BuilderOf(Kind kind, std::size_t dims, bool is_double = false);
 
-// All ones; a cube, if it is a frustum.
+// All ones.
 Shape ShapeOfOnes(const Builder& builder);
 
 // The same on every machine. One in 256 of its coordinates cannot be bounded.

@@ -218,7 +218,6 @@ inline ExactHull HullOf(const Builder& builder, const Shape& shape,
         hull.AddPoint(numbers.Image(point));
       }
       break;
-    case Kind::kFrustum:
     case Kind::kChange:
       break;
   }

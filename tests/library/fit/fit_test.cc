@@ -176,77 +176,6 @@ TEST(FitLimitTest, NoPoints) {
   EXPECT_EQ(status.everything, 0u);
 }
 
-// By hand, what random frusta do not reach. FitExactTest compares those with
-// their exact corners.
-
-// |p y + z| <= 1 and |y + s z| <= 1, where p s - 1 = -2^-46: a needle, from
-// y = -(s + 1) 2^46 to +(s + 1) 2^46 and z = -(p + 1) 2^46 to +(p + 1) 2^46.
-// Its determinants are u times -2^-46, the difference of products that take
-// more bits than a double has. 0 <= x <= 1, so that D goes from -2^24 - 1 to
-// 2^24, of which the first is no float.
-TEST(FitFrustumTest, NeedleFromProductsThatDoubleCannotHold) {
-  constexpr float p = 0x1.000002p0f;
-  constexpr float s = 0x1.fffffcp-1f;
-  for (std::uint32_t mantissa = 1; mantissa < 0x800000; mantissa += 65'538) {
-    const auto u = std::bit_cast<float>(0x3f800000 | mantissa);
-    const std::array<HalfSpace3, 6> needle = {{{{u, 0, 0}, 0},
-                                               {{-u, 0, 0}, u},
-                                               {{0, p, 1}, 1},
-                                               {{0, -p, -1}, 1},
-                                               {{0, 1, s}, 1},
-                                               {{0, -1, -s}, 1}}};
-    const Aabo3 bound = BoundFrustum(needle);
-    EXPECT_EQ(bound.min, (std::array{0.f, -0x1.fffffep46f, -0x1.000002p47f,
-                                     -0x1.000002p24f}))
-        << u;
-    EXPECT_EQ(bound.max,
-              (std::array{1.f, 0x1.fffffep46f, 0x1.000002p47f, 0x1p24f}))
-        << u;
-  }
-}
-
-// The planes x - 2^-24 y = 65/64 and 2^-24 x + y = 2^-24 meet at
-// x = 65/64 - 2^-6 / (2^48 + 1), which double rounds to 65/64. They are ordered
-// so that all determinants of that edge have one sign, then the other.
-TEST(FitFrustumTest, CornersThatDoubleRoundsToAFloat) {
-  constexpr HalfSpace3 left = {{1, -0x1p-24f, 0}, -65.f / 64};
-  constexpr HalfSpace3 below = {{0x1p-24f, 1, 0}, -0x1p-24f};
-  constexpr HalfSpace3 near = {{0, 0, 1}, 0};
-  constexpr HalfSpace3 far = {{0, 0, -1}, 1};
-  constexpr HalfSpace3 right = {{-1, 0x1p-24f, 0}, 3};
-  constexpr HalfSpace3 above = {{-0x1p-24f, -1, 0}, 1};
-  using SixPlanes = std::array<HalfSpace3, 6>;
-  for (const SixPlanes& planes :
-       {SixPlanes{left, far, below, near, right, above},
-        SixPlanes{below, far, left, near, right, above}}) {
-    EXPECT_EQ(BoundFrustum(planes).min[0], 0x1.03fffep0f);
-  }
-}
-
-TEST(FitFrustumTest, DoublesFarApart) {
-  std::array<HalfSpace<3, double>, 6> cube{};
-  for (std::size_t i = 0; i < 6; ++i) {
-    cube[i].normal[i / 2] = i % 2 == 0 ? 1 : -1;
-    cube[i].offset = 1;
-  }
-  EXPECT_EQ(BoundFrustum(cube).max[0], 1.f);
-  // So long a normal, so short a normal.
-  cube[1] = {{-0x1p1023, 0, 0}, 0x1p1023};
-  cube[2] = {{0, 0x1p-1074, 0}, 0x1p-1074};
-  EXPECT_EQ(BoundFrustum(cube).max[0], 1.f);
-  EXPECT_EQ(BoundFrustum(cube).min[1], -1.f);
-  cube[1] = {{-1, 0x1p-200, 0}, 1};
-  EXPECT_EQ(BoundFrustum(cube).max[0], 0x1.000002p0f);
-  cube[1].normal[1] = 0x1p-201;
-  EXPECT_EQ(BoundFrustum(cube), Aabo3::Everything());
-  cube[1] = {{-1, 0, 0}, 0x1p201};
-  EXPECT_EQ(BoundFrustum(cube), Aabo3::Everything());
-  // In front of it everywhere, and behind it everywhere.
-  cube[1] = {{-1, 0, 0}, 1};
-  cube[0].offset = -0x1p-200;
-  EXPECT_EQ(BoundFrustum(cube).min[0], 0.f);
-}
-
 // The wrappers of the calls above.
 TEST(FitKnownTest, OnePointAndStrideZero) {
   const Aabo3 bound{{1, 2, 3, -6}, {1, 2, 3, -6}};
@@ -341,20 +270,6 @@ TEST_F(FitPointErrorsTest, PiecesThatCannotBeWritten) {
           "at most 2^24 pieces, got 16777217");
   refused(nullptr, 2, "room for 2, got a null pointer");
   refused(Misaligned(room.data()), 2, "aligned to 4 bytes, got a misaligned");
-}
-
-TEST_F(FitPointErrorsTest, PlanesThatAreNotSixOrCannotBeRead) {
-  const std::array<HalfSpace3, 7> planes{};
-  const auto refused = [&](const HalfSpace3* pointer, std::size_t count,
-                           std::string_view given) {
-    EXPECT_REFUSED((BoundFrustum(std::span(pointer, count), &status_)),
-                   "BoundFrustum: planes: expected", given);
-  };
-  refused(planes.data(), 7, "6 planes, got 7");
-  refused(planes.data(), 5, "6 planes, got 5");
-  refused(planes.data(), 0, "6 planes, got 0");
-  refused(nullptr, 6, "6 planes, got a null pointer");
-  refused(Misaligned(planes.data()), 6, "aligned to 4 bytes, got a misaligned");
 }
 
 // Exact sums of products of doubles that are next to nothing, and their

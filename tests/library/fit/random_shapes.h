@@ -11,7 +11,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <iterator>
 #include <limits>
 #include <random>
 #include <span>
@@ -238,97 +237,6 @@ inline void MakeCancelling(const RandomNumbers& numbers,
   }
 }
 
-using SixPlanes = std::array<HalfSpace3, 6>;
-
-inline float Dot(const Point3& a, const Point3& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-inline Point3 RandomPoint3(PointKind kind, Random& random) {
-  Point3 point;
-  RandomFloats<float>(kind, random, point);
-  return point;
-}
-
-inline SixPlanes RandomBox(PointKind kind, Random& random) {
-  const Point3 a = RandomPoint3(kind, random);
-  const Point3 b = RandomPoint3(kind, random);
-  const Aabb3 box = BoundSegment(Segment3{a, b}).aabb();
-  SixPlanes planes{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    planes[k].normal[k] = 1.f;
-    planes[k].offset = -box.min[k];
-    planes[k + 3].normal[k] = -1.f;
-    planes[k + 3].offset = box.max[k];
-  }
-  return planes;
-}
-
-// About half of these are open; some are empty.
-inline SixPlanes RandomHalfSpaces(PointKind kind, Random& random) {
-  const auto inside = RandomPoint3(kind, random);
-  const bool around = !OneIn(4, random);
-  SixPlanes planes;
-  for (HalfSpace3& plane : planes) {
-    plane.normal = RandomPoint3(kind, random);
-    // Small enough for products with any coordinate.
-    for (float& x : plane.normal) {
-      if (kind == PointKind::kWideExponents) x *= 0x1p-122f;
-    }
-    // Through the point, or nearly: the plane is what its floats say.
-    plane.offset = -Dot(plane.normal, inside);
-    plane.offset += around ? std::fabs(plane.offset) : plane.offset;
-  }
-  return planes;
-}
-
-// A box without width, one face of which leans by less than doubles can tell:
-// it is cut, or gone.
-inline SixPlanes RandomSheet(PointKind kind, Random& random) {
-  SixPlanes planes = RandomBox(kind, random);
-  const std::size_t axis = random() % 3;
-  planes[axis + 3].offset = -planes[axis].offset;
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (k == axis) continue;
-    planes[axis].normal[k] =
-        RandomSign(random) * std::ldexp(1.f, RandomExponent(-70, -46, random));
-  }
-  return planes;
-}
-
-// Neither the order of the planes nor the lengths of the normals matter.
-inline SixPlanes RandomFrustum(PointKind kind, Random& random) {
-  constexpr SixPlanes (*kMakers[])(PointKind, Random&) = {
-      &RandomBox, &RandomHalfSpaces, &RandomSheet};
-  SixPlanes planes = kMakers[random() % std::size(kMakers)](kind, random);
-  if (OneIn(8, random)) planes[0] = planes[random() % 6];
-  // Everywhere is in front of it, or nowhere.
-  if (OneIn(8, random)) planes[1].normal = {};
-  for (HalfSpace3& plane : planes) {
-    const int exponent = RandomExponent(-20, 4, random);
-    for (float& x : plane.normal) x = std::ldexp(x, exponent);
-    plane.offset = std::ldexp(plane.offset, exponent);
-  }
-  std::shuffle(planes.begin(), planes.end(), random);
-  return planes;
-}
-
-// Numbers beside those of floats, and then any lengths of the normals.
-inline Shape ShapeOf(const SixPlanes& planes, bool is_double, Random& random) {
-  Shape shape;
-  for (std::size_t i = 0; i < planes.size(); ++i) {
-    const int exponent = is_double ? RandomExponent(-300, 300, random) : 0;
-    for (std::size_t n = 0; n < 4; ++n) {
-      const float value = n < 3 ? planes[i].normal[n] : planes[i].offset;
-      shape.floats[4 * i + n] = value;
-      const double wide =
-          is_double && value != 0.f ? WithMoreBits(value, random) : value;
-      shape.doubles[4 * i + n] = std::ldexp(wide, exponent);
-    }
-  }
-  return shape;
-}
-
 }  // namespace internal
 
 // Some numbers become anything at all, or a neighbour of another one. A box or
@@ -388,10 +296,6 @@ inline Shape RandomShape(const Builder& builder, PointKind kind,
   const std::size_t dims = builder.dims;
   const std::size_t count = builder.roles.size();
   const std::size_t first = builder.first_argument();
-  if (builder.kind == Kind::kFrustum) {
-    return internal::ShapeOf(internal::RandomFrustum(kind, random),
-                             builder.is_double, random);
-  }
   const RandomNumbers numbers(kind, builder.is_double, random);
   const RandomNumbers map_numbers(kind, builder.is_map_double, random);
   std::array<double, kMostNumbers> values{};
