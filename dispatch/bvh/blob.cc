@@ -25,7 +25,7 @@ constexpr std::size_t kHeaderBytes = sizeof(BvhHeader);
 }
 
 void CheckVersion(bool is_in_place, std::uint32_t version) {
-  if (version >= kOldestBvhVersion && version <= kBvhVersion) return;
+  if (version == kBvhVersion) return;
   std::string given = "format " + std::to_string(version);
   if (version >> 24 != 0) {
     given = "a blob in the other byte order; build the world again here";
@@ -34,27 +34,7 @@ void CheckVersion(bool is_in_place, std::uint32_t version) {
   } else {
     given += ", which is older; build the world again";
   }
-  ThrowCorrupt(is_in_place,
-               "a format from " + std::to_string(kOldestBvhVersion) + " to " +
-                   std::to_string(kBvhVersion),
-               given);
-}
-
-// The possible layouts of a version, the oldest first. The last builds with
-// format 3 wrote it without codes, as format 4.
-std::array<BvhFormat, 2> FormatsOf(std::uint32_t version) {
-  constexpr BvhFormat kFormat4 = {kMostWithoutCodes, 4096, false};
-  if (version == kBvhVersion) return {};
-  if (version == 4) return {kFormat4, kFormat4};
-  return {BvhFormat{kBlockObjects, 4096, false}, kFormat4};
-}
-
-// Whether the layout is that of the current format.
-bool IsAsToday(const BvhFormat& format, const BvhRoom& room) {
-  const bool is_coded = room.slots > format.most_without_codes;
-  return is_coded == (room.slots > kMostWithoutCodes) &&
-         GroupsOf(room.slots, format.group_slots) == GroupsOf(room.slots) &&
-         (format.has_used_ids || room.ids == 0);
+  ThrowCorrupt(is_in_place, "format " + std::to_string(kBvhVersion), given);
 }
 
 // Whether no lane of the last block that is beyond the level is marked as
@@ -125,14 +105,9 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
       room.ids == 0 ? header.ids == header.slots && header.size == header.slots
                     : room.ids >= room.slots && header.ids <= room.ids;
   const bool is_room_right = room.slots > 0 && room.slots < kMostObjects;
-  BvhFormat format;
-  std::size_t bytes = 0;
-  for (const BvhFormat& one : FormatsOf(header.version)) {
-    BvhLevels levels;
-    if (!is_room_right || bytes == blob.size()) break;
-    format = one;
-    bytes = Place(own, room, nullptr, false, levels, format);
-  }
+  BvhLevels levels;
+  const std::size_t bytes =
+      is_room_right ? Place(own, room, nullptr, false, levels) : 0;
   if (!is_room_right || header.slots > room.slots ||
       header.size > header.slots || header.ids < header.size ||
       !are_ids_right || header.has_masks > 1 || header.checksum == 0 ||
@@ -143,8 +118,7 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
                      " bytes or an altered header; store the BVH again");
   }
   BvhState loaded(own, tree.memory_);
-  const bool is_as_today = IsAsToday(format, room);
-  if (is_in_place && is_as_today) {
+  if (is_in_place) {
     // Not written before it has been copied: see BvhState::Prepare().
     loaded.block_ = const_cast<std::byte*>(blob.data());
     loaded.is_owned_ = false;
@@ -153,7 +127,7 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
     std::memcpy(loaded.block_, blob.data(), bytes);
   }
   loaded.bytes_ = bytes;
-  Place(own, room, loaded.block_, false, loaded.levels_, format);
+  Place(own, room, loaded.block_, false, loaded.levels_);
   loaded.is_checked_ = false;
   loaded.is_as_loaded_ = true;
   SetSlots(loaded.levels_, header.slots);
@@ -164,15 +138,6 @@ void BvhTree::Load(Span<const std::byte> blob, bool is_in_place) {
           is_in_place, "the bytes of a stored BVH",
           "altered bytes in the unused lanes of level " + std::to_string(l));
     }
-  }
-  if (!is_as_today) {
-    const bool is_right = header.checksum == ChecksumOf(blob);
-    loaded.Convert(format);
-    // Otherwise the wrong checksum stays, so that Verify() fails.
-    loaded.header().checksum =
-        is_right ? ChecksumOf({loaded.block_, loaded.bytes_}) : header.checksum;
-    loaded.is_checked_ = false;
-    loaded.is_as_loaded_ = true;
   }
   tree.Swap(loaded);
 }
@@ -185,27 +150,6 @@ PlaneLayout LayoutOfBlob(Span<const std::byte> blob) {
     return {};
   }
   return {header.dims, header.axes, header.has_max != 0};
-}
-
-// Computes the cost of each group. Their sum is that of the older format.
-void BvhState::Convert(const BvhFormat& format) {
-  const std::size_t groups = GroupsOf(slots());
-  const Scratch scratch(memory_, groups * sizeof(BvhGroup));
-  auto* const built = reinterpret_cast<BvhGroup*>(scratch.data());
-  dispatch::InDefaultFpMode([&] {
-    for (std::size_t group = 0; group < groups; ++group) {
-      const std::size_t old = group * kGroupSlots / format.group_slots;
-      const BvhGroup whole =
-          AsIs(type_, levels_, GroupAt(levels_, old, format.group_slots));
-      built[group] = AsIs(type_, levels_, GroupAt(levels_, group));
-      if (whole.cost > 0) {
-        built[group].cost *=
-            CostAsBuilt(levels_.built[old], whole.objects) / whole.cost;
-      }
-    }
-  });
-  levels_.built = built;
-  Reallocate("Bvh::FromBlob", Room());
 }
 
 // Several calls may run at the same time, so the checksum is written only once

@@ -177,7 +177,7 @@ void FitMapTo(const PlaneLayout& layout, const BvhLevels& levels,
 }  // namespace
 
 std::size_t Place(const BvhType& type, const BvhRoom& room, std::byte* begin,
-                  bool is_new, BvhLevels& levels, const BvhFormat& format) {
+                  bool is_new, BvhLevels& levels) {
   levels = {};
   const std::size_t planes = type.plane_count;
   Parts parts(begin, is_new);
@@ -190,8 +190,7 @@ std::size_t Place(const BvhType& type, const BvhRoom& room, std::byte* begin,
     const std::uint64_t values = std::uint64_t{blocks} * planes * kBlockObjects;
     // With fewer objects, codes save less time than it takes to encode the
     // query: a query of 1000 boxes takes 34 ns by floats and 38 ns by codes.
-    const bool is_coded =
-        levels.count == 1 && room.slots > format.most_without_codes;
+    const bool is_coded = levels.count == 1 && room.slots > kMostWithoutCodes;
     level.is_prefetched =
         values * (is_coded ? sizeof(std::int16_t) : sizeof(float)) >
         kInCacheBytes;
@@ -208,11 +207,11 @@ std::size_t Place(const BvhType& type, const BvhRoom& room, std::byte* begin,
     size = blocks;
   } while (size > 1);
   levels.ids = parts.Take<std::uint32_t>(BlocksOf(room.slots) * kBlockObjects);
-  if (room.ids > 0) levels.slots = parts.Take<std::uint32_t>(room.ids);
-  if (room.ids > 0 && format.has_used_ids) {
+  if (room.ids > 0) {
+    levels.slots = parts.Take<std::uint32_t>(room.ids);
     levels.used = parts.Take<std::uint64_t>(UsedIds::WordsFor(room.ids));
   }
-  levels.built = parts.Take<BvhGroup>(GroupsOf(room.slots, format.group_slots));
+  levels.built = parts.Take<BvhGroup>(GroupsOf(room.slots));
   return parts.bytes();
 }
 

@@ -68,7 +68,7 @@ struct alignas(64) BvhHeader {
   std::uint32_t slots;     // in use or erased: from 0 on
   std::uint32_t size;      // objects
   std::uint32_t ids;       // in use or free: from 0 on
-  std::uint32_t unused;    // all ones; until format 4 the first free id
+  std::uint32_t unused;    // all ones
   std::uint32_t sorted;    // slots when all were sorted, that are left of these
   std::uint32_t inserted;  // since then, or since PutOffSort()
 };
@@ -94,17 +94,8 @@ inline std::atomic<std::uint64_t>& Checksum(BvhHeader& header) {
 }
 
 inline constexpr char kBvhMagic[8] = {'h', 'a', 'l', 'f', 's', 'o', 'r', 't'};
-// The format that is written, and the oldest format that can be read. Any
-// change of the bytes or of their meaning is a new format (docs/bvh.md).
+// Any change of the bytes or of their meaning is a new format (docs/bvh.md).
 inline constexpr std::uint32_t kBvhVersion = 5;
-inline constexpr std::uint32_t kOldestBvhVersion = 3;
-
-// The differences between the layouts of formats.
-struct BvhFormat {
-  std::size_t most_without_codes = kMostWithoutCodes;
-  std::size_t group_slots = kGroupSlots;
-  bool has_used_ids = true;
-};
 
 constexpr std::size_t BlocksOf(std::size_t objects) {
   return (objects + kBlockObjects - 1) / kBlockObjects;
@@ -125,7 +116,7 @@ inline const BvhKernels::OfPlanes& KernelsFor(const BvhType& type,
 // `begin` is null to compute only the size. In new memory, the bytes between
 // the arrays become 0.
 std::size_t Place(const BvhType& type, const BvhRoom& room, std::byte* begin,
-                  bool is_new, BvhLevels& levels, const BvhFormat& format = {});
+                  bool is_new, BvhLevels& levels);
 
 // Sets the sizes of all levels.
 void SetSlots(BvhLevels& levels, std::size_t slots);
@@ -244,10 +235,9 @@ BvhGroup AsIs(const PlaneLayout& layout, const BvhLevels& levels,
               const SlotRange& range);
 
 // Group `group` of the slots in use.
-inline SlotRange GroupAt(const BvhLevels& levels, std::size_t group,
-                         std::size_t group_slots = kGroupSlots) {
-  return {group * group_slots,
-          std::min(levels.level[0].size, (group + 1) * group_slots)};
+inline SlotRange GroupAt(const BvhLevels& levels, std::size_t group) {
+  return {group * kGroupSlots,
+          std::min(levels.level[0].size, (group + 1) * kGroupSlots)};
 }
 
 // The cost that `objects` objects would have had when they were sorted.

@@ -82,8 +82,6 @@ class BvhState {
   // Throws if ids and slots contradict each other, as in an altered blob:
   // changes would write outside of the memory.
   void CheckLoaded(const char* call);
-  // Converts the block from the layout of `format` to the current one.
-  void Convert(const BvhFormat& format);
   // What the ids should be, for a message, or null if they are right.
   const char* FindWrongIds() const;
   // As CheckLoaded(). Throws also if no target can be chosen.

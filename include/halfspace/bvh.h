@@ -479,9 +479,8 @@ class Bvh {
   // first.
   //
   // The format has its own version, which changes less often than the
-  // library's (docs/bvh.md). Every 0.x and 1.x library writes its own format,
-  // and reads it and all older ones since format 3. InPlace() copies a blob of
-  // an older format if its layout was different. A newer format is an error.
+  // library's (docs/bvh.md). A library reads the format that it writes; another
+  // one is an error, which says whether it is older or newer.
   //
   // Both check the header, the size and the unused lanes of the last block of
   // each tree level, and throw (error.h) if the blob is one of another type or

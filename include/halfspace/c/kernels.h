@@ -18,10 +18,11 @@
 //                     count, mask)
 //
 // The others are named hs_box, hs_simplex and hs_octahedron, with 2, 3 or 4;
-// those of 4 need a library built with -DHALFSPACE_DIMS="2;3;4". Those for half-spaces are named hs_box, hs_octahedron and hs_sphere, with 2
-// or 3 dimensions. `count` must be at most 64, which is not checked. A
-// half-space is d + 1 floats: its normal, which points to what is kept, and its
-// offset. hs_frustum_planes() (c/halfspace.h) makes those of a camera.
+// those of 4 need a library built with -DHALFSPACE_DIMS="2;3;4". Those for
+// half-spaces are named hs_box, hs_octahedron and hs_sphere, with 2 or 3
+// dimensions. `count` must be at most 64, which is not checked. A half-space is
+// d + 1 floats: its normal, which points to what is kept, and its offset.
+// hs_frustum_planes() (c/halfspace.h) makes those of a camera.
 //
 // The library has all functions with and without HALFSPACE_C.
 #ifndef HALFSPACE_C_KERNELS_H_
