@@ -44,14 +44,6 @@ class DefaultFpMode {
     return result;
   }
 
-  // Restores the mode of this thread as the destructor does, for an exit that
-  // skips destructors.
-  static void Leave() {
-    if (active_ == nullptr) return;
-    Write(active_->saved_);
-    active_ = nullptr;
-  }
-
  private:
 #if defined(__SSE2__) || defined(_M_X64)
   using Register = unsigned;
@@ -90,19 +82,12 @@ class DefaultFpMode {
 #endif
 
   void Enter() {
-    if (IsDefault()) return;
-    Write((saved_ & ~kMode) | kDefault);
-    active_ = this;
+    if (!IsDefault()) Write((saved_ & ~kMode) | kDefault);
   }
   void Exit() const {
-    if (IsDefault()) return;
-    Write(saved_);
-    active_ = nullptr;
+    if (!IsDefault()) Write(saved_);
   }
   bool IsDefault() const { return (saved_ & kMode) == kDefault; }
-
-  // The object of this thread that has changed the mode, or null.
-  static constinit inline thread_local const DefaultFpMode* active_ = nullptr;
 
   Register saved_;
 };

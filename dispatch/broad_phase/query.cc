@@ -78,12 +78,9 @@ class LateLeaf {
   alignas(64) float floats_[kMostBodyPlanes * kBlockObjects] = {};
 };
 
-// Calls exact(tree) if the tree has all bounds, and else late(reading). An
-// error handler may leave by longjmp, so if there is one, the arguments are
-// checked before the lock is taken.
+// Calls exact(tree) if the tree has all bounds, and else late(reading).
 template <typename Exact, typename Late>
 auto Ask(BroadPhaseState& state, const Exact& exact, const Late& late) {
-  if (dispatch::HasErrorHandler()) exact(state.nothing);
   const Reading reading(state);
   return reading.is_exact() ? exact(state.tree) : late(reading);
 }
@@ -101,24 +98,6 @@ auto AskCopy(BroadPhaseState& state, const Exact& exact) {
       return true;
     });
     return exact(copy);
-  });
-}
-
-// Calls search(tree, ids, options). The ids are checked here, because the tree
-// without bodies, on which arguments are checked, has no ids.
-template <typename Search>
-auto AskPairs(BroadPhaseState& state, const char* call,
-              Span<const std::uint32_t> ids, const PairOptions& options,
-              const Search& search) {
-  state.CheckBodies(call, ids);
-  return AskCopy(state, [&](const BvhTree& tree) {
-    const std::size_t wanted = options.wanted.size();
-    if (&tree != &state.nothing || (wanted != 0 && wanted != ids.size())) {
-      return search(tree, ids, options);
-    }
-    PairOptions of_none = options;
-    of_none.wanted = {};
-    return search(tree, Span<const std::uint32_t>(), of_none);
   });
 }
 
@@ -165,7 +144,9 @@ std::size_t BroadPhaseCore::Survivors(const BvhQueries& query,
         return BvhSurvivors(tree, query, ids, options, skip);
       },
       [&](const Reading& reading) {
-        std::ignore = BvhSurvivors(state_->nothing, query, ids, options, skip);
+        // Checks the arguments in the name of this call.
+        const BvhTree nothing(state_->type, state_->options.memory);
+        std::ignore = BvhSurvivors(nothing, query, ids, options, skip);
         IdSink to(ids, skip);
         ForEachWithLate(*state_, reading, query, options,
                         [&](Span<const std::uint32_t> some) {
@@ -288,24 +269,20 @@ std::size_t BroadPhaseCore::PairsOf(const BvhPairKernels* kernels,
                                     Span<const std::uint32_t> ids,
                                     Span<IdPair> pairs,
                                     const PairOptions& options) const {
-  return AskPairs(
-      *state_, "PairsOf", ids, options,
-      [&](const BvhTree& tree, const Span<const std::uint32_t>& set,
-          const PairOptions& its) {
-        return BvhPairs({kernels, &tree, nullptr, &set}, pairs, its);
-      });
+  state_->CheckBodies("PairsOf", ids);
+  return AskCopy(*state_, [&](const BvhTree& tree) {
+    return BvhPairs({kernels, &tree, nullptr, &ids}, pairs, options);
+  });
 }
 
 void BroadPhaseCore::ForEachPairOf(const BvhPairKernels* kernels,
                                    Span<const std::uint32_t> ids,
                                    PairsFunction function, void* context,
                                    const PairOptions& options) const {
-  AskPairs(
-      *state_, "ForEachPairOf", ids, options,
-      [&](const BvhTree& tree, const Span<const std::uint32_t>& set,
-          const PairOptions& its) {
-        BvhForEachPair({kernels, &tree, nullptr, &set}, function, context, its);
-      });
+  state_->CheckBodies("ForEachPairOf", ids);
+  AskCopy(*state_, [&](const BvhTree& tree) {
+    BvhForEachPair({kernels, &tree, nullptr, &ids}, function, context, options);
+  });
 }
 
 std::size_t BroadPhaseCore::size() const {

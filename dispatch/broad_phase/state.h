@@ -29,7 +29,6 @@ class BroadPhaseState {
         options(with),
         records(with.memory, its_type.plane_count),
         tree(its_type, with.memory),
-        nothing(its_type, with.memory),
         events(with.memory),
         changed_slots(BlockAllocator<std::uint64_t>(with.memory)),
         collides_with(BlockAllocator<std::uint32_t>(with.memory)) {}
@@ -81,7 +80,6 @@ class BroadPhaseState {
 
   // Written with exclusive access.
   BvhTree tree;
-  const BvhTree nothing;  // on which arguments are checked
   PairEventsCore events;
   // Changes for which Update() has not sorted yet, without those of kForOrder.
   std::size_t changes = 0;

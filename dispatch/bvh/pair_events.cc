@@ -535,8 +535,7 @@ void PairEventsCore::Update(const PairSources& sources,
   // Only loaded pairs have greater ids. An IdSet would take memory for ids that
   // the world does not have.
   constexpr std::size_t kMostIds = std::size_t{1} << 20;
-  // As the search does. An error handler may leave by longjmp, so they are
-  // checked before there is any memory.
+  // As the search does, but before anything is changed.
   dispatch::CheckFiniteLength(kUpdate, "options.margin", options.margin);
   std::ignore = dispatch::IndexOf(options.target, kUpdate);
   if (sources.ids != nullptr) {

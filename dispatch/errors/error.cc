@@ -80,14 +80,11 @@ ErrorHandler SetErrorHandler(ErrorHandler handler) noexcept {
 std::string detail::NumberText(float value) { return TextOf(value); }
 std::string detail::NumberText(double value) { return TextOf(value); }
 
-bool dispatch::HasErrorHandler() { return error_handler.load() != nullptr; }
-
 void dispatch::ThrowInvalid(std::string_view call, std::string_view argument,
                             std::string_view expected, std::string_view given,
                             std::size_t index) {
   const Error error(call, argument, expected, given, index);
   if (const ErrorHandler handler = error_handler.load(); handler != nullptr) {
-    DefaultFpMode::Leave();
     handler(error);
     std::abort();
   }

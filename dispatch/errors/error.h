@@ -10,16 +10,12 @@
 
 namespace halfspace::dispatch {
 
-// Throws an Error, or passes it to the program's handler, which may leave
-// without a destructor being called.
+// Throws an Error, or passes it to the program's handler.
 [[noreturn, gnu::cold]] void ThrowInvalid(std::string_view call,
                                           std::string_view argument,
                                           std::string_view expected,
                                           std::string_view given,
                                           std::size_t index = Error::kNoIndex);
-
-// Whether an error is passed to a handler.
-bool HasErrorHandler();
 
 }  // namespace halfspace::dispatch
 

@@ -286,8 +286,7 @@ class BroadPhase {
   // As with Bvh::FromBlob(), altered bytes can change results, but no call
   // reads or writes outside the memory of the broad phase. They can make Load()
   // allocate 2200 times their size, and 4 MB more. Errors: the bytes are not
-  // from Save() of this type, byte order and format, or were cut. A
-  // handler of errors must not call longjmp then (error.h).
+  // from Save() of this type, byte order and format, or were cut.
   template <typename Write>
   void Save(Write&& write) const {
     core_.Save(

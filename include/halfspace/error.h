@@ -75,22 +75,15 @@ class HALFSPACE_API Error : public std::invalid_argument {
 // The type of an error handler. `error` is valid until the handler ends.
 //
 // A handler must not return. If it returns, the library calls std::abort. A
-// handler can end the program or throw any exception. It can also call longjmp
-// if the compiler allows that in C++ functions, as gcc and clang do. The
-// memory of the error is then never freed.
-//
-// In four cases a handler must not call longjmp, because the library would
-// keep memory or a lock: if a function that the library called, such as that of
-// ForEachSurvivor() or Bvh::Fitted(), made the wrong call; if a MemoryResource
-// returned a misaligned block; in BroadPhase::Load(); and in a call of the C
-// API.
+// handler can end the program or throw any exception, but must not call
+// longjmp. So a program without exceptions ends at an error: what can be wrong
+// there must be checked before a call.
 //
 // The thread that made the wrong call runs the handler, before the call ends.
 // At that time the call has written nothing, and the objects that it should
-// have changed are unchanged. The call holds no lock, no tree of a broad phase,
-// and no memory except the error. The floating-point mode is the caller's. So
-// a handler may call the library. If that call is wrong too, the library calls
-// the handler again.
+// have changed are unchanged. The call may hold a lock of them, so a handler
+// must not use them. It runs in the default floating-point mode, or in the
+// caller's.
 using ErrorHandler = void (*)(const Error& error);
 
 // Sets the error handler and returns the previous one. A null pointer is the

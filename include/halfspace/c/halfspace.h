@@ -36,10 +36,9 @@
 // stores no handle, except where it says so. Output arrays can then have been
 // written in part. No C++ exception leaves a function.
 //
-// Callbacks, the functions of an allocator, `run` and a handler that C++ code
-// sets (error.h) must not leave a call by longjmp() or pthread_exit(), and the
-// thread must not be canceled in them. The functions of files are no
-// cancellation points.
+// Callbacks, the functions of an allocator and `run` must not leave a call by
+// longjmp() or pthread_exit(), and the thread must not be canceled in them. The
+// functions of files are no cancellation points.
 //
 // Pointers must not be null, except where a function says so. An array may be
 // null if the call reads or writes no element of it. Arrays must be aligned for

@@ -5,7 +5,6 @@
 #include <halfspace/halfspace.h>
 
 #include <array>
-#include <csetjmp>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -18,17 +17,18 @@ static_assert(__cplusplus < 202002L, "what links the library stays C++17");
 
 namespace {
 
-// As of a program without exceptions that goes on after an error.
-std::jmp_buf before_the_error;
 std::string told;
-void JumpBack(const halfspace::Error& error) {
+[[noreturn]] void Throw(const halfspace::Error& error) {
   told = error.what();
-  std::longjmp(before_the_error, 1);
+  throw error;
 }
 
 std::string ToldOfAnIndex(const halfspace::AaboWorld3& world) {
-  halfspace::SetErrorHandler(&JumpBack);
-  if (setjmp(before_the_error) == 0) world.Get(7);
+  halfspace::SetErrorHandler(&Throw);
+  try {
+    world.Get(7);
+  } catch (const halfspace::Error&) {
+  }
   halfspace::SetErrorHandler(nullptr);
   return told;
 }
