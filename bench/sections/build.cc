@@ -274,7 +274,6 @@ void AddSingles(Run& run, Table& table) {
       [&](I i) { return TranslateVertices(bound[i], c[i]); });
   add("Scale", 1, [&](I i) { return Scale(bound[i], length[i]); });
   add("Sweep", 1, [&](I i) { return Sweep(bound[i], c[i]); });
-  add("Circumscribe", 1, [&](I i) { return Circumscribe(bound[i].down()); });
   contest.Time(ShareOf(run.effort));
   contest.AddTo(table);
 }

@@ -121,36 +121,6 @@ float PlusExactly(float minimum, double more) {
   return RoundDown(SumExactly(std::array<double, 2>{minimum, more}));
 }
 
-// The opposing simplex' minima, mirrored: on each axis, minus the sum of the
-// others, since all axes sum to zero.
-template <std::size_t kAxes>
-bool TryOpposing(float* minima) {
-  std::array<double, kAxes> terms;
-  std::copy_n(minima, kAxes, terms.begin());
-  bool is_bounded = true;
-  for (std::size_t k = 0; k < kAxes; ++k) {
-    if (minima[k] == kUnbounded) {
-      is_bounded = false;
-    } else if (!CanBeBounded(minima[k])) {
-      return false;
-    }
-  }
-  if (is_bounded && SumExactly(terms).value > 0.0) {
-    dispatch::ThrowInvalid("Circumscribe", "simplex",
-                           "planes that sum to 0 or less",
-                           "a simplex that contains no point");
-  }
-  for (std::size_t k = 0; k < kAxes; ++k) {
-    std::array<double, kAxes> others = terms;
-    others[k] = 0.0;
-    const bool unbounded =
-        std::count(others.begin(), others.end(), double{kUnbounded}) != 0;
-    minima[k] = unbounded ? kUnbounded : RoundDown(SumExactly(others));
-    if (!unbounded && !CanBeBounded(minima[k])) return false;
-  }
-  return true;
-}
-
 // Minima and maxima change places.
 void Mirror(const AnyBound& bound) {
   for (std::size_t k = 0; k < bound.minima; ++k) {
@@ -280,16 +250,6 @@ void Scale(const AnyBound& bound, float factor, FitStatus* status) {
         bound, true,
         [&](float minimum, std::size_t, float) { return scaled(minimum); },
         [&](float minimum, float) { return scaled(minimum); });
-  });
-}
-
-void Circumscribe(const AnyBound& simplex, FitStatus* status) {
-  Build(simplex, status, [&](auto dims) {
-    if (!IsEmpty(simplex, simplex.values)) {
-      return TryOpposing<dims + 1>(simplex.values);
-    }
-    Fill(simplex, kInf<float>);
-    return true;
   });
 }
 

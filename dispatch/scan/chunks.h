@@ -342,19 +342,13 @@ inline void Flip(std::uint64_t* words, std::size_t count) {
 // Writes the masks of all queries; row q begins at rows + q * stride, with the
 // range's first object.
 template <typename Queries>
-void WriteRows(const Scan& scan, std::uint64_t* rows, std::size_t stride,
-               bool rejects) {
+void WriteRows(const Scan& scan, std::uint64_t* rows, std::size_t stride) {
   const auto place = [&](Chunk& chunk, std::size_t) {
     chunk.rows =
         rows + chunk.first_query * stride + (chunk.begin - scan.begin) / 64;
     chunk.stride = stride;
   };
-  VisitChunks<Queries>(scan, place, [&](const Tested& tested) {
-    for (std::size_t q = 0; rejects && q < tested.chunk.query_count; ++q) {
-      Flip(tested.chunk.rows + q * stride, tested.words());
-    }
-    return true;
-  });
+  VisitChunks<Queries>(scan, place, [](const Tested&) { return true; });
 }
 
 }  // namespace halfspace::dispatch

@@ -20,7 +20,7 @@ using dispatch::Tested;
 // caller large.
 HALFSPACE_NOINLINE void WriteQuantizedMask(const Scan& scan,
                                            std::uint64_t* mask) {
-  dispatch::WriteRows<OneQuery>(scan, mask, 0, false);
+  dispatch::WriteRows<OneQuery>(scan, mask, 0);
 }
 
 // `flip` is 0, or all ones for a reject mask.

@@ -15,15 +15,18 @@ namespace {
 using dispatch::ManyQueries;
 using dispatch::Tested;
 
-void WriteMasks(Scan& scan, Span<std::uint64_t> rows, const Options& options,
-                std::size_t row_words, const char* call, bool rejects) {
-  dispatch::Prepare(scan, options, call);
+}  // namespace
+
+void SurvivorMasks(Scan&& scan, Span<std::uint64_t> rows,
+                   const Options& options, std::size_t row_words) {
+  constexpr const char* kCall = "SurvivorMasks";
+  dispatch::Prepare(scan, options, kCall);
   dispatch::ChooseKernel(scan, options);
   const std::size_t words = MaskWords(scan.end - scan.begin);
   const std::size_t stride = row_words != 0 ? row_words : words;
   if (stride < words) {
     dispatch::ThrowInvalid(
-        call, "row_words",
+        kCall, "row_words",
         "0, or at least the " + std::to_string(words) + " words of a row",
         std::to_string(stride));
   }
@@ -34,7 +37,7 @@ void WriteMasks(Scan& scan, Span<std::uint64_t> rows, const Options& options,
         rows.size() < words ? 0 : (rows.size() - words) / stride + 1;
     if (most < scan.query_count) {
       dispatch::ThrowInvalid(
-          call, "rows",
+          kCall, "rows",
           "at least " + std::to_string(scan.query_count) + " rows of " +
               std::to_string(words) + " words" +
               (stride == words
@@ -43,23 +46,11 @@ void WriteMasks(Scan& scan, Span<std::uint64_t> rows, const Options& options,
           std::to_string(rows.size()) + " words");
     }
     used = (scan.query_count - 1) * stride + words;
-    dispatch::CheckAddressable(call, "rows", used, sizeof(std::uint64_t));
+    dispatch::CheckAddressable(kCall, "rows", used, sizeof(std::uint64_t));
   }
   dispatch::CheckOutput(
       scan, {"rows", rows.data(), used, used, sizeof(std::uint64_t)});
-  dispatch::WriteRows<ManyQueries>(scan, rows.data(), stride, rejects);
-}
-
-}  // namespace
-
-void RejectMasks(Scan&& scan, Span<std::uint64_t> rows, const Options& options,
-                 std::size_t row_words) {
-  WriteMasks(scan, rows, options, row_words, "RejectMasks", true);
-}
-
-void SurvivorMasks(Scan&& scan, Span<std::uint64_t> rows,
-                   const Options& options, std::size_t row_words) {
-  WriteMasks(scan, rows, options, row_words, "SurvivorMasks", false);
+  dispatch::WriteRows<ManyQueries>(scan, rows.data(), stride);
 }
 
 std::size_t SurvivorPairs(Scan&& scan, Span<std::uint32_t> query_indices,
@@ -118,22 +109,6 @@ void SurvivorCounts(Scan&& scan, Span<std::size_t> counts,
                              counts[query] += survivors;
                            });
     return true;
-  });
-}
-
-void ForEachTile(Scan&& scan, TileFunction function, void* context,
-                 const Options& options) {
-  dispatch::Prepare(scan, options, "ForEachTile");
-  dispatch::ChooseKernel(scan, options);
-  dispatch::Rows<ManyQueries> rows;
-  dispatch::VisitChunks<ManyQueries>(scan, rows, [&](const Tested& tested) {
-    const Chunk& chunk = tested.chunk;
-    return function(context, {.first_query = chunk.first_query,
-                              .queries = chunk.query_count,
-                              .first_object = chunk.begin,
-                              .objects = chunk.end - chunk.begin,
-                              .rows = chunk.rows,
-                              .stride = chunk.stride});
   });
 }
 

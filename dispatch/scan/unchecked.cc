@@ -12,7 +12,7 @@ void WriteManyObjects(detail::Scan& scan, std::uint64_t* mask) {
 void WriteEachQuery(detail::Scan& scan, std::uint64_t* masks) {
   ChooseKernel(scan, Options());
   // Floats and doubles are not encoded, so no room for it is needed.
-  WriteRows<OneQuery>(scan, masks, MaskWords(scan.size), false);
+  WriteRows<OneQuery>(scan, masks, MaskWords(scan.size));
 }
 
 }  // namespace halfspace::dispatch

@@ -41,7 +41,7 @@
 
 namespace halfspace {
 
-// Writes the reject mask of every query.
+// Writes the survivor mask of every query.
 //
 // The mask of queries[q] is row q. A row has MaskWords(n) words for the n
 // objects of `options.range`. Row q begins at rows[q * row_words]. If
@@ -52,17 +52,6 @@ namespace halfspace {
 // Errors: as RejectMask(). `row_words` must be 0 or at least MaskWords(n), and
 // `rows` must have room for all rows; the last one needs MaskWords(n) words
 // only. Without queries or without objects, `rows` may be empty.
-template <typename AnyWorld>
-void RejectMasks(const AnyWorld& world,
-                 Span<const typename AnyWorld::Query> queries,
-                 Span<std::uint64_t> rows, const Options& options = {},
-                 std::size_t row_words = 0) {
-  detail::RejectMasks(
-      detail::ScanOf(world.view(), queries.data(), queries.size()), rows,
-      options, row_words);
-}
-
-// Writes the survivor mask of every query. Layout and errors: as RejectMasks().
 template <typename AnyWorld>
 void SurvivorMasks(const AnyWorld& world,
                    Span<const typename AnyWorld::Query> queries,
@@ -109,42 +98,6 @@ void SurvivorCounts(const AnyWorld& world,
   detail::SurvivorCounts(
       detail::ScanOf(world.view(), queries.data(), queries.size()), counts,
       options);
-}
-
-// The survivors of a few consecutive queries among some consecutive objects.
-struct SurvivorTile {
-  std::size_t first_query = 0;   // the index of the first query
-  std::size_t queries = 0;       // the number of queries
-  std::size_t first_object = 0;  // the begin of the range + a multiple of 64
-  std::size_t objects = 0;       // the number of objects
-
-  // The survivor mask of query `first_query + q`, where q < `queries`. Object
-  // `first_object + i` is bit i % 64 of word i / 64. The mask is valid until
-  // the callback returns.
-  Span<const std::uint64_t> Row(std::size_t q) const {
-    return {rows + q * stride, MaskWords(objects)};
-  }
-
-  const std::uint64_t* rows = nullptr;
-  std::size_t stride = 0;  // words from one row to the next
-};
-
-// Calls function(const SurvivorTile&) for every tile. Each pair of a query and
-// an object is in exactly one tile. Use this call to process survivors while
-// they are in the cache, without storing them.
-//
-// `function` returns nothing or a Visit (visit.h). Visit::kStop ends the call.
-// An exception of `function` ends the call and reaches the caller.
-//
-// Errors: as RejectMask().
-template <typename AnyWorld, typename Function>
-void ForEachTile(const AnyWorld& world,
-                 Span<const typename AnyWorld::Query> queries,
-                 Function&& function, const Options& options = {}) {
-  detail::Callback call{function};
-  detail::ForEachTile(
-      detail::ScanOf(world.view(), queries.data(), queries.size()),
-      &decltype(call)::Run, &call, options);
 }
 
 }  // namespace halfspace

@@ -78,8 +78,6 @@ HALFSPACE_API void TranslateVertices(const AnyBound& bound, const float* by,
                                      FitStatus* status);
 HALFSPACE_API void Scale(const AnyBound& bound, float factor,
                          FitStatus* status);
-// Of an UpSimplex: its minima become the negated maxima of the result.
-HALFSPACE_API void Circumscribe(const AnyBound& simplex, FitStatus* status);
 
 // A bound that is returned in registers. Its values are read one by one,
 // because a load of two values would wait for the stores of both: 10 % of an
@@ -197,30 +195,6 @@ Aabb<kDims> RoundOutward(const Aabb<kDims, double>& box) {
   detail::ReadRecords(detail::ColumnsOf(one), values.size(), kDims, 0, 1,
                       values.data());
   return detail::BoundOf<Aabb<kDims>>(values);
-}
-
-// Returns the opposing simplex, circumscribed about the given one. It makes a
-// query from the simplex that a world stores, or an object from a query. The
-// result is kDims times as large (3 times in 3D), so use the Aabo of the shape
-// if you have it. Tightest.
-//   Throws if the simplex contains no point, but is not Empty(). An UpSimplex
-//   contains no point if its minima sum to more than 0, a DownSimplex if its
-//   maxima sum to less than 0.
-template <int kDims>
-DownSimplex<kDims> Circumscribe(const UpSimplex<kDims>& simplex,
-                                FitStatus* status = nullptr) {
-  DownSimplex<kDims> result{simplex.min};
-  detail::Circumscribe({result.max.data(), kDims, kDims + 1, 0}, status);
-  for (float& max : result.max) max = -max;
-  return result;
-}
-template <int kDims>
-UpSimplex<kDims> Circumscribe(const DownSimplex<kDims>& simplex,
-                              FitStatus* status = nullptr) {
-  UpSimplex<kDims> result{simplex.max};
-  for (float& min : result.min) min = -min;
-  detail::Circumscribe({result.min.data(), kDims, kDims + 1, 0}, status);
-  return result;
 }
 
 }  // namespace halfspace

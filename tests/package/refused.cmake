@@ -13,7 +13,6 @@ set(refused
   "ForEachSurvivor(bodies, Sphere2{}, ignore)" "${of_bvh}"
   "(void)Merge(Foreign(), Foreign())" "BoundOfFloats|no type named 'Scalar'"
   "ForEachSurvivor(flat, Aabo3(), number)" "${answer}"
-  "ForEachTile(flat, {}, number)" "${answer}"
   "ForEachPair(bvh, number)" "${answer}"
   "ForEachNearest(bvh, {}, 1, number)" "${answer}"
   "AaboView<3, double> doubles" "wrong number of template arguments|too many template arguments")

@@ -20,7 +20,6 @@
 namespace halfspace {
 
 struct Options;
-struct SurvivorTile;
 
 namespace detail {
 
@@ -280,8 +279,6 @@ HALFSPACE_API void ClassifyMasks(ShapeScan&& shape,
                                  const Options& options);
 
 // Many queries.
-HALFSPACE_API void RejectMasks(Scan&& scan, Span<std::uint64_t> rows,
-                               const Options& options, std::size_t row_words);
 HALFSPACE_API void SurvivorMasks(Scan&& scan, Span<std::uint64_t> rows,
                                  const Options& options, std::size_t row_words);
 HALFSPACE_API std::size_t SurvivorPairs(Scan&& scan,
@@ -291,10 +288,6 @@ HALFSPACE_API std::size_t SurvivorPairs(Scan&& scan,
                                         std::size_t skip);
 HALFSPACE_API void SurvivorCounts(Scan&& scan, Span<std::size_t> counts,
                                   const Options& options);
-
-using TileFunction = bool (*)(void* context, const SurvivorTile& tile);
-HALFSPACE_API void ForEachTile(Scan&& scan, TileFunction function,
-                               void* context, const Options& options);
 
 }  // namespace detail
 }  // namespace halfspace

@@ -155,11 +155,6 @@ void ChangeBound(const Builder& builder, const float* numbers, Planes& planes,
       return give(Scale(bound, *argument, status));
     case Change::kSweep:
       return give(Sweep(bound, move, status));
-    case Change::kCircumscribe:
-      if constexpr (!detail::HasMin<Bound> || !detail::HasMax<Bound>) {
-        give(Circumscribe(bound, status));
-      }
-      return;
   }
 }
 

@@ -126,7 +126,6 @@ std::vector<Builder> Changes(const std::vector<std::size_t>& all_dims) {
       {Change::kTranslateVertices, "TranslateVertices", Role::kCoordinate},
       {Change::kScale, "Scale", Role::kFactor},
       {Change::kSweep, "Sweep", Role::kCoordinate},
-      {Change::kCircumscribe, "Circumscribe", Role::kCoordinate},
   };
   constexpr const char* kParts[] = {"Aabo", "Aabb", "Up", "Down"};
   std::vector<Builder> changes;
@@ -134,17 +133,13 @@ std::vector<Builder> Changes(const std::vector<std::size_t>& all_dims) {
     for (const Row& row : kRows) {
       for (std::size_t part = 0; part < std::size(kParts); ++part) {
         const bool is_open = part >= 2;
-        if (is_open ? row.change == Change::kTranslateVertices
-                    : row.change == Change::kCircumscribe) {
-          continue;
-        }
+        if (is_open && row.change == Change::kTranslateVertices) continue;
         Builder change{Kind::kChange, row.call,
                        row.call + std::to_string(dims) + kParts[part], dims};
         change.change = row.change;
         change.part = static_cast<Part>(part);
         const std::size_t planes = change.first_argument();
-        const std::size_t arguments = row.change == Change::kMerge ? planes
-                                      : row.change == Change::kCircumscribe ? 0
+        const std::size_t arguments = row.change == Change::kMerge    ? planes
                                       : row.role == Role::kCoordinate ? dims
                                                                       : 1;
         const auto minima = static_cast<std::size_t>(part) == 3 ? 0
@@ -207,10 +202,6 @@ Shape SeededShape(const Builder& builder, SeededNumbers& numbers) {
         break;
       default:
         break;
-    }
-    if (builder.change == Change::kCircumscribe) {
-      number =
-          builder.part == Part::kUp ? -std::fabs(number) : std::fabs(number);
     }
     shape.Set(i, number);
   }

@@ -48,7 +48,6 @@ enum class Change {
   kTranslateVertices,
   kScale,
   kSweep,
-  kCircumscribe,
 };
 
 enum class Part { kAabo, kAabb, kUp, kDown };
@@ -129,13 +128,8 @@ struct Builder {
 
   // Results, and the planes of each.
   std::size_t results() const { return kind == Kind::kPieces ? kPieces : 1; }
-  // Circumscribe() turns a simplex over.
-  std::size_t minima() const {
-    return PlanesBut(change == Change::kCircumscribe ? Part::kUp : Part::kDown);
-  }
-  std::size_t maxima() const {
-    return PlanesBut(change == Change::kCircumscribe ? Part::kDown : Part::kUp);
-  }
+  std::size_t minima() const { return PlanesBut(Part::kDown); }
+  std::size_t maxima() const { return PlanesBut(Part::kUp); }
   // Planes on one side, which this part lacks.
   std::size_t PlanesBut(Part none) const;
 

@@ -50,9 +50,7 @@ bool AreFinite(const Builder& builder, const Shape& shape, std::size_t begin) {
     return message.starts_with(call + start) &&
            message.find(end, call.size() + start.size()) != std::string::npos;
   };
-  bool is_named = builder.change == Change::kCircumscribe &&
-                  says("simplex: expected",
-                       "0 or less, got a simplex that contains no point");
+  bool is_named = false;
   for (std::size_t i = 0; i < builder.roles.size(); ++i) {
     const double number = builder.Number(shape, i);
     if (builder.roles[i] == Role::kMinimum && builder.kind != Kind::kChange) {
@@ -228,20 +226,6 @@ ExactPlanes ExactChange(const Builder& builder, const Shape& shape) {
     const int sign = planes.IsMinimum(p) ? -1 : 1;
     auto& plane = planes.values[p];
     plane = exact(is_turned ? (p + planes.minima) % planes.values.size() : p);
-    if (builder.change == Change::kCircumscribe) {
-      // The planes of the axes sum to zero: on each, what the others leave.
-      plane = ExactValue(0);
-      for (std::size_t k = 0; k < first; ++k) {
-        const auto other = exact(k);
-        if (k == axis || !plane) continue;
-        if (!other) {
-          plane.reset();
-        } else {
-          plane->rational -= other->rational;
-        }
-      }
-      continue;
-    }
     if (!plane) continue;
     switch (builder.change) {
       case Change::kInflate:
@@ -269,7 +253,6 @@ ExactPlanes ExactChange(const Builder& builder, const Shape& shape) {
         break;
       case Change::kMerge:
       case Change::kTranslateVertices:
-      case Change::kCircumscribe:
         break;
     }
   }
@@ -302,17 +285,6 @@ Planes Merged(const Builder& builder, const Shape& shape) {
 
 bool IsRefusedChange(const Builder& builder, const Shape& shape) {
   const std::size_t first = builder.first_argument();
-  if (builder.change == Change::kCircumscribe) {
-    // Of a simplex that contains no point the planes sum to a positive number.
-    if (!IsValidBound(builder, shape.floats.data())) return false;
-    mpq_class sum = 0;
-    for (std::size_t i = 0; i < first; ++i) {
-      if (std::fabs(shape.floats[i]) == kMost) return false;
-      sum += IsMinimum(builder, i) ? Exact(shape.floats[i])
-                                   : mpq_class(-Exact(shape.floats[i]));
-    }
-    return sum > 0;
-  }
   const float argument = shape.floats[first];
   switch (builder.roles.back()) {
     case Role::kLength:

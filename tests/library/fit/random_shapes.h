@@ -245,12 +245,6 @@ inline void MakeCancelling(const RandomNumbers& numbers,
 inline void Spoil(const Builder& builder, Shape& shape, Random& random) {
   const std::size_t count = builder.roles.size();
   const std::size_t planes = builder.first_argument();
-  if (builder.change == Change::kCircumscribe && OneIn(4, random)) {
-    // No point is inside, if the sum of the planes was not 0.
-    for (std::size_t p = 0; p < planes; ++p) {
-      shape.Set(p, -shape.doubles[p]);
-    }
-  }
   const bool has_sides =
       builder.roles[0] == Role::kMinimum || builder.roles[0] == Role::kMaximum;
   if (has_sides && OneIn(8, random)) {
@@ -382,15 +376,6 @@ inline Shape RandomShape(const Builder& builder, PointKind kind,
           if (builder.part >= Part::kUp)
             values[first] = std::fabs(values[first]);
           break;
-        case Change::kCircumscribe: {
-          // Some point must be inside.
-          mpq_class sum = 0;
-          for (std::size_t k = 0; k <= dims; ++k) sum += values[k];
-          if ((builder.part == Part::kUp ? sgn(sum) : -sgn(sum)) > 0) {
-            for (std::size_t k = 0; k <= dims; ++k) values[k] = -values[k];
-          }
-          break;
-        }
       }
       break;
     default:

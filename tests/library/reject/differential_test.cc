@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "dispatch/scan/chunks.h"
 #include "halfspace/reject_many.h"
 #include "halfspace/reject_shapes.h"
 #include "tests/library/support/answers.h"
@@ -232,25 +233,14 @@ TEST_P(DifferentialTest, EveryNumberOfQueries) {
   }
 }
 
-// Objects of the tiles that the calls for many queries go by.
-std::size_t TileObjects(const FlatInput& input, const AnyQueries& queries) {
-  std::size_t objects = 0;
-  const auto see = [&](const SurvivorTile& tile) {
-    if (tile.first_object == 0) objects = tile.objects;
-  };
-  detail::Callback call{see};
-  detail::ForEachTile(input.WorldAt(0, 5000, 1).Asked(queries),
-                      &decltype(call)::Run, &call, {});
-  return objects;
-}
-
 TEST_P(DifferentialTest, ManyQueriesAroundTiles) {
   for (InputKind kind : {InputKind::kRuns, InputKind::kDense}) {
     SCOPED_TRACE(NameOf(kind));
     Random random(7);
     const FlatInput input(GetParam(), kind, 10'000, random);
     const FlatQueries queries(GetParam(), input, 300, random);
-    const std::size_t tile = TileObjects(input, queries.Some(0, 2));
+    const std::size_t tile = dispatch::ChunkObjects(
+        input.WorldAt(0, 5000, 1).Asked(queries.Some(0, 2)));
     ASSERT_GE(tile, 64u);
     ASSERT_LE(2 * tile + 65 + Misalignments(), 10'000u);
     ASSERT_EQ(tile % 64, 0u);

@@ -175,21 +175,5 @@ TEST_F(HugeRangeTest, RowsOfMoreThan32BitsOfWords) {
   }
 }
 
-TEST_F(HugeRangeTest, Tiles) {
-  std::size_t rows_seen = 0;
-  ForEachTile(World(), queries_,
-              [&](const SurvivorTile& tile) {
-                EXPECT_EQ(tile.first_object, kEnd.begin);
-                EXPECT_EQ(tile.objects, kObjects - kEnd.begin);
-                for (std::size_t q = 0; q < tile.queries; ++q) {
-                  EXPECT_EQ(tile.Row(q)[0], 1u << 3);
-                  EXPECT_EQ(tile.Row(q)[1], 1u << 5);
-                  ++rows_seen;
-                }
-              },
-              {.range = kEnd});
-  EXPECT_EQ(rows_seen, kQueries);
-}
-
 }  // namespace
 }  // namespace halfspace::testing

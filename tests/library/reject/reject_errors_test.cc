@@ -63,11 +63,6 @@ const std::vector<Output> kOutputs = {
        std::ignore = detail::Survivors(std::move(scan),
                                        SpanOf<std::uint32_t>(to, size), {}, 0);
      }},
-    {"RejectMasks", "rows", kQueries, 8, 15, "at least 5 rows of 3 words",
-     [](detail::Scan&& scan, void* to, std::size_t size) {
-       detail::RejectMasks(std::move(scan), SpanOf<std::uint64_t>(to, size), {},
-                           0);
-     }},
     {"SurvivorMasks", "rows", kQueries, 8, 15, "at least 5 rows of 3 words",
      [](detail::Scan&& scan, void* to, std::size_t size) {
        detail::SurvivorMasks(std::move(scan), SpanOf<std::uint64_t>(to, size),

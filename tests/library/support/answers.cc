@@ -72,42 +72,6 @@ std::string WhatIsWrong(const Answers& answers, const Outputs& pairs) {
   return {};
 }
 
-// Each word of the masks is in one tile, and tiles are parts of the range.
-void CompareTiles(const Answers& answers, const AnyWorld& world,
-                  const AnyQueries& queries, const Options& options,
-                  Differences& compare) {
-  const std::size_t begin = std::min(answers.range().begin, world.size());
-  const std::size_t end = std::min(answers.range().end, world.size());
-  const std::size_t words = MaskWords(end - begin);
-  std::vector<std::uint64_t> rows(answers.survived().size());
-  std::vector<int> times(rows.size());
-  const auto add = [&](const SurvivorTile& tile) {
-    const std::size_t first = tile.first_object - begin;
-    const bool is_part =
-        tile.queries > 0 && tile.objects > 0 &&
-        tile.first_query + tile.queries <= queries.count &&
-        tile.first_object >= begin && first % 64 == 0 &&
-        tile.first_object + tile.objects <= end &&
-        (tile.objects % 64 == 0 || tile.first_object + tile.objects == end);
-    if (!is_part) return compare.Add("ForEachTile", "a tile out of place");
-    for (std::size_t q = 0; q < tile.queries; ++q) {
-      const std::span<const std::uint64_t> row = tile.Row(q);
-      const std::size_t at = (tile.first_query + q) * words + first / 64;
-      compare.Find("a row of ForEachTile", MaskWords(tile.objects), row.size());
-      for (std::size_t w = 0; w < MaskWords(tile.objects); ++w) {
-        rows[at + w] = row[w];
-        ++times[at + w];
-      }
-    }
-  };
-  detail::Callback call{add};
-  detail::ForEachTile(world.Asked(queries), &decltype(call)::Run, &call,
-                      options);
-  compare.Find<std::uint64_t>("ForEachTile", answers.survived(), rows);
-  compare.Find<int>("ForEachTile, tiles of a word",
-                    std::vector<int>(rows.size(), 1), times);
-}
-
 }  // namespace
 
 Answers Answers::OfReference(const AnyWorld& world, const AnyQueries& queries,
@@ -124,8 +88,9 @@ Answers Answers::OfReference(const AnyWorld& world, const AnyQueries& queries,
 Answers Answers::OfCall(const AnyWorld& world, const AnyQueries& queries,
                         Target target, const Range& range) {
   std::vector<std::uint64_t> rows(queries.count * MaskWords(world.size()));
-  detail::RejectMasks(world.Asked(queries), rows,
-                      {.schedule = Schedule::kFlat, .target = target}, 0);
+  detail::SurvivorMasks(world.Asked(queries), rows,
+                        {.schedule = Schedule::kFlat, .target = target}, 0);
+  for (std::uint64_t& word : rows) word = ~word;
   return {world.size(), queries.count, range, rows};
 }
 
@@ -139,9 +104,7 @@ Answers Answers::OfCall(const AnyWorld& world, const AnyQueries& queries,
     CompareCallsOfOne(answers, world, queries, options, outputs, compare);
   }
   const auto asked = [&] { return world.Asked(queries); };
-  detail::RejectMasks(asked(), Unwritten(outputs.words), options, 0);
-  compare.Find<std::uint64_t>("RejectMasks", answers.rejected(), outputs.words);
-  detail::SurvivorMasks(asked(), outputs.words, options, 0);
+  detail::SurvivorMasks(asked(), Unwritten(outputs.words), options, 0);
   compare.Find<std::uint64_t>("SurvivorMasks", answers.survived(),
                               outputs.words);
   if (world.HasUnchecked() && options.schedule == Schedule::kAuto &&
@@ -164,7 +127,6 @@ Answers Answers::OfCall(const AnyWorld& world, const AnyQueries& queries,
     compare.Find("SurvivorCounts", answers.survivors(q).size(),
                  outputs.counts[q]);
   }
-  CompareTiles(answers, world, queries, options, compare);
   return compare.first();
 }
 

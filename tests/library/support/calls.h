@@ -68,7 +68,7 @@ inline void ForEachCall(const AnyWorld& world, const AnyQueries& query,
     detail::ForEachSurvivor(asked(), &decltype(call)::Run, &call, options);
   });
 }
-// The same for each of the five calls of several queries.
+// The same for each of the three calls of several queries.
 inline void ForEachManyCall(const AnyWorld& world, const AnyQueries& queries,
                             const Options& options, CallOutputs& outputs,
                             const NamedCall& visit) {
@@ -78,8 +78,6 @@ inline void ForEachManyCall(const AnyWorld& world, const AnyQueries& queries,
   const auto counts = outputs.counts.Reset(CallOutputs::kRoom);
   outputs.passed = 0;
   const auto asked = [&] { return world.Asked(queries); };
-  visit("RejectMasks",
-        [&] { detail::RejectMasks(asked(), words, options, 0); });
   visit("SurvivorMasks",
         [&] { detail::SurvivorMasks(asked(), words, options, 0); });
   visit("SurvivorPairs", [&] {
@@ -88,11 +86,6 @@ inline void ForEachManyCall(const AnyWorld& world, const AnyQueries& queries,
   });
   visit("SurvivorCounts",
         [&] { detail::SurvivorCounts(asked(), counts, options); });
-  visit("ForEachTile", [&] {
-    const auto add = [&](const SurvivorTile&) { ++outputs.passed; };
-    detail::Callback call{add};
-    detail::ForEachTile(asked(), &decltype(call)::Run, &call, options);
-  });
 }
 // Expects that every call, of one query and of several, refuses in its own name
 // and writes nothing.
