@@ -137,7 +137,7 @@ set(header kernels/bvh/nearest.h)
 set(inl kernels/bvh/cast-inl.h kernels/bvh/nearest-inl.h)
 halfspace_add_table(bvh_nearest BvhNearestKernels "{&FindNearest, &CastLine}")
 set(kernels BvhShapeKernels)
-set(header kernels/bvh/shape.h)
+set(header kernels/bvh/shape_query.h)
 set(inl kernels/bvh/shapes-inl.h kernels/bvh/walk-inl.h)
 # As fast as with -O3, in two thirds of the code.
 set(optimised)

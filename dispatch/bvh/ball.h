@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "halfspace/detail/bvh.h"
-#include "kernels/bvh/shape.h"
+#include "kernels/bvh/shape_query.h"
 
 namespace halfspace::detail {
 

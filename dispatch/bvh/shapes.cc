@@ -17,7 +17,7 @@
 #include "halfspace/bvh.h"
 #include "halfspace/bvh_shapes.h"
 #include "halfspace/fit.h"
-#include "kernels/bvh/shape.h"
+#include "kernels/bvh/shape_query.h"
 
 namespace halfspace::detail {
 namespace {

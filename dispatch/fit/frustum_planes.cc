@@ -12,7 +12,7 @@
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "halfspace/frustum.h"
-#include "kernels/bvh/shape.h"
+#include "kernels/bvh/shape_query.h"
 
 namespace halfspace {
 namespace {

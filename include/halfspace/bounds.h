@@ -332,16 +332,12 @@ constexpr T HalfArea(const Aabb<kDims, T>& bound) {
 
 using UpSimplex2 = UpSimplex<2>;
 using UpSimplex3 = UpSimplex<3>;
-using UpSimplex4 = UpSimplex<4>;
 using DownSimplex2 = DownSimplex<2>;
 using DownSimplex3 = DownSimplex<3>;
-using DownSimplex4 = DownSimplex<4>;
 using Aabb2 = Aabb<2>;
 using Aabb3 = Aabb<3>;
-using Aabb4 = Aabb<4>;
 using Aabo2 = Aabo<2>;
 using Aabo3 = Aabo<3>;
-using Aabo4 = Aabo<4>;
 
 }  // namespace halfspace
 

@@ -72,16 +72,12 @@ struct DPlanes {
 
 using SimplexPlanes2 = SimplexPlanes<2>;
 using SimplexPlanes3 = SimplexPlanes<3>;
-using SimplexPlanes4 = SimplexPlanes<4>;
 using AabbPlanes2 = AabbPlanes<2>;
 using AabbPlanes3 = AabbPlanes<3>;
-using AabbPlanes4 = AabbPlanes<4>;
 using AaboPlanes2 = AaboPlanes<2>;
 using AaboPlanes3 = AaboPlanes<3>;
-using AaboPlanes4 = AaboPlanes<4>;
 using DPlanes2 = DPlanes<2>;
 using DPlanes3 = DPlanes<3>;
-using DPlanes4 = DPlanes<4>;
 
 }  // namespace halfspace
 

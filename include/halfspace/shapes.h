@@ -135,45 +135,32 @@ struct Affine {
 
 using Point2 = Point<2>;
 using Point3 = Point<3>;
-using Point4 = Point<4>;
 using Points2 = Points<2>;
 using Points3 = Points<3>;
-using Points4 = Points<4>;
 using PointsSoa2 = PointsSoa<2>;
 using PointsSoa3 = PointsSoa<3>;
-using PointsSoa4 = PointsSoa<4>;
 using Segment2 = Segment<2>;
 using Segment3 = Segment<3>;
-using Segment4 = Segment<4>;
 using Triangle2 = Triangle<2>;
 using Triangle3 = Triangle<3>;
-using Triangle4 = Triangle<4>;
 using Ray2 = Ray<2>;
 using Ray3 = Ray<3>;
-using Ray4 = Ray<4>;
 using Sphere2 = Sphere<2>;
 using Sphere3 = Sphere<3>;
-using Sphere4 = Sphere<4>;
 using Capsule2 = Capsule<2>;
 using Capsule3 = Capsule<3>;
-using Capsule4 = Capsule<4>;
 using RoundedBox2 = RoundedBox<2>;
 using RoundedBox3 = RoundedBox<3>;
-using RoundedBox4 = RoundedBox<4>;
 using OrientedBox2 = OrientedBox<2>;
 using OrientedBox3 = OrientedBox<3>;
-using OrientedBox4 = OrientedBox<4>;
 using HalfSpace2 = HalfSpace<2>;
 using HalfSpace3 = HalfSpace<3>;
 using Boxes2 = Boxes<2>;
 using Boxes3 = Boxes<3>;
-using Boxes4 = Boxes<4>;
 using Spheres2 = Spheres<2>;
 using Spheres3 = Spheres<3>;
-using Spheres4 = Spheres<4>;
 using Affine2 = Affine<2>;
 using Affine3 = Affine<3>;
-using Affine4 = Affine<4>;
 
 }  // namespace halfspace
 

@@ -98,13 +98,10 @@ struct AaboView {
 
 using SimplexView2 = SimplexView<2>;
 using SimplexView3 = SimplexView<3>;
-using SimplexView4 = SimplexView<4>;
 using AabbView2 = AabbView<2>;
 using AabbView3 = AabbView<3>;
-using AabbView4 = AabbView<4>;
 using AaboView2 = AaboView<2>;
 using AaboView3 = AaboView<3>;
-using AaboView4 = AaboView<4>;
 
 // A world that owns its planes. The names to use are SimplexWorld, AabbWorld
 // and AaboWorld below.
@@ -215,13 +212,10 @@ using AaboWorld = World<AaboView<kDims>>;
 
 using SimplexWorld2 = SimplexWorld<2>;
 using SimplexWorld3 = SimplexWorld<3>;
-using SimplexWorld4 = SimplexWorld<4>;
 using AabbWorld2 = AabbWorld<2>;
 using AabbWorld3 = AabbWorld<3>;
-using AabbWorld4 = AabbWorld<4>;
 using AaboWorld2 = AaboWorld<2>;
 using AaboWorld3 = AaboWorld<3>;
-using AaboWorld4 = AaboWorld<4>;
 
 }  // namespace halfspace
 

@@ -16,7 +16,7 @@
 #include "kernels/bvh/block.h"
 #include "kernels/bvh/blocks-inl.h"
 #include "kernels/bvh/nearest.h"
-#include "kernels/bvh/shape.h"
+#include "kernels/bvh/shape_query.h"
 #include "kernels/bvh/shapes-inl.h"
 #include "kernels/bvh/sorted-inl.h"
 #include "kernels/scan/words-inl.h"

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "halfspace/detail/bvh.h"
-#include "kernels/bvh/shape.h"
+#include "kernels/bvh/shape_query.h"
 #include "kernels/compiler.h"
 
 namespace halfspace::detail {

@@ -1,8 +1,8 @@
 // Tests 64 objects or nodes by their floats against a query shape.
 //
-// Results are the same on every target (half_space-inl.h). All computed values
-// are monotone in the planes of a bound, so a shape that rejects a node rejects
-// all objects in it.
+// Results are the same on every target (half_space_sum-inl.h). All computed
+// values are monotone in the planes of a bound, so a shape that rejects a node
+// rejects all objects in it.
 #if defined(HALFSPACE_KERNELS_BVH_SHAPES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_BVH_SHAPES_INL_H_
 #undef HALFSPACE_KERNELS_BVH_SHAPES_INL_H_
@@ -16,8 +16,8 @@
 
 #include "hwy/highway.h"
 #include "kernels/bvh/block.h"
-#include "kernels/bvh/half_space-inl.h"
-#include "kernels/bvh/shape.h"
+#include "kernels/bvh/half_space_sum-inl.h"
+#include "kernels/bvh/shape_query.h"
 #include "kernels/scan/words-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "hwy/highway.h"
-#include "kernels/bvh/half_space-inl.h"
+#include "kernels/bvh/half_space_sum-inl.h"
 #include "kernels/scan/flat-inl.h"
 #include "kernels/scan/half_spaces.h"
 #include "kernels/scan/words-inl.h"

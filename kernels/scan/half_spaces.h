@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "kernels/bvh/shape.h"
+#include "kernels/bvh/shape_query.h"
 #include "kernels/scan/kernel_table.h"
 
 namespace halfspace::detail {

@@ -165,7 +165,7 @@ template <typename... More>
 using With3d =
     ::testing::Types<SimplexView3, AaboView3, AabbView<3, double>, More...>;
 using WorldCases =
-    std::conditional_t<kTestsOnly3d, With3d<>, With3d<AabbView2, AaboView4>>;
+    std::conditional_t<kTestsOnly3d, With3d<>, With3d<AabbView2, AaboView<4>>>;
 
 template <typename... Views>
 void AddWorlds(std::vector<OwnerRow>& rows, const ::testing::Types<Views...>&) {

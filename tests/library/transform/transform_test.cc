@@ -56,12 +56,12 @@ TEST(TransformKnownTest, Measures) {
   EXPECT_EQ(Volume(Aabb2{{-1, 0}, {1, 3}}), 6.f);
   EXPECT_EQ(HalfArea(Aabb2{{-1, 0}, {1, 3}}), 5.f);
   EXPECT_EQ(Volume(Aabb<4, double>{{0, 0, 0, 0}, {1, 2, 3, 4}}), 24.0);
-  EXPECT_EQ(HalfArea(Aabb4{{0, 0, 0, 0}, {1, 2, 3, 4}}), 6.f + 8 + 12 + 24);
+  EXPECT_EQ(HalfArea(Aabb<4>{{0, 0, 0, 0}, {1, 2, 3, 4}}), 6.f + 8 + 12 + 24);
   // x, y, z >= 0 and x + y + z <= 6: a sixth of a cube.
   EXPECT_EQ(Volume(UpSimplex3{{0, 0, 0, -6}}), 36.f);
   EXPECT_EQ(Volume(UpSimplex3{{1, 1, 1, -9}}), 36.f);
   EXPECT_EQ(Volume(DownSimplex2{{1, 1, 0}}), 2.f);
-  EXPECT_EQ(Volume(DownSimplex4{{1, 1, 1, 1, -4}}), 0.f);
+  EXPECT_EQ(Volume(DownSimplex<4>{{1, 1, 1, 1, -4}}), 0.f);
   EXPECT_EQ(Volume(UpSimplex2{{1, 1, 1}}), 0.f);
   // A sheet, however wide.
   EXPECT_EQ(Volume(Aabb3{{-kMax, 0, 0}, {kMax, 0, 1}}), 0.f);
@@ -83,7 +83,7 @@ void ForEachBound(Test test) {
   test(Aabb3());
   test(Aabo3());
   test(UpSimplex2());
-  test(Aabo4());
+  test(Aabo<4>());
 }
 
 // A bound of one point, with `min` or -`min` put into every plane in turn.

@@ -1,7 +1,7 @@
 // Query shapes as the kernels of BVHs read them, and these kernels. They read a
 // list of planes, so the same kernels serve all worlds. No Highway here.
-#ifndef HALFSPACE_KERNELS_BVH_SHAPE_H_
-#define HALFSPACE_KERNELS_BVH_SHAPE_H_
+#ifndef HALFSPACE_KERNELS_BVH_SHAPE_QUERY_H_
+#define HALFSPACE_KERNELS_BVH_SHAPE_QUERY_H_
 
 #include <cmath>
 #include <cstddef>
@@ -123,4 +123,4 @@ void MakeHalfSpaceTests(const PlaneLayout& planes, const float* normal,
 
 }  // namespace halfspace::detail
 
-#endif  // HALFSPACE_KERNELS_BVH_SHAPE_H_
+#endif  // HALFSPACE_KERNELS_BVH_SHAPE_QUERY_H_

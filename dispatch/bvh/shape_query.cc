@@ -1,6 +1,6 @@
 // Makes the numbers that the kernels of a query shape read. They are rounded so
 // that every bound that touches the exact shape is found (docs/bvh.md).
-#include "kernels/bvh/shape.h"
+#include "kernels/bvh/shape_query.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,18 +4,18 @@
 // Results are the same on every target. All operations are of IEEE arithmetic,
 // in a fixed order. Compares decide about NaN, because the minimum or maximum
 // of a NaN differs between targets.
-#if defined(HALFSPACE_KERNELS_BVH_HALF_SPACE_INL_H_) == \
+#if defined(HALFSPACE_KERNELS_BVH_HALF_SPACE_SUM_INL_H_) == \
     defined(HWY_TARGET_TOGGLE)
-#ifdef HALFSPACE_KERNELS_BVH_HALF_SPACE_INL_H_
-#undef HALFSPACE_KERNELS_BVH_HALF_SPACE_INL_H_
+#ifdef HALFSPACE_KERNELS_BVH_HALF_SPACE_SUM_INL_H_
+#undef HALFSPACE_KERNELS_BVH_HALF_SPACE_SUM_INL_H_
 #else
-#define HALFSPACE_KERNELS_BVH_HALF_SPACE_INL_H_
+#define HALFSPACE_KERNELS_BVH_HALF_SPACE_SUM_INL_H_
 #endif
 
 #include <cstddef>
 
 #include "hwy/highway.h"
-#include "kernels/bvh/shape.h"
+#include "kernels/bvh/shape_query.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
@@ -62,4 +62,4 @@ HWY_INLINE hn::Vec<D> HalfSpaceSum(D d, const detail::HalfSpaceTest& test,
 }  // namespace halfspace
 HWY_AFTER_NAMESPACE();
 
-#endif  // HALFSPACE_KERNELS_BVH_HALF_SPACE_INL_H_
+#endif  // HALFSPACE_KERNELS_BVH_HALF_SPACE_SUM_INL_H_
