@@ -1,7 +1,6 @@
 // A user of the library: bounds two triangles, asks which of them a third one
 // could touch, on every target of this machine, and checks the answer, as
 // floats and as quantized bounds. In C++17, with one caller in C++20.
-#include <halfspace/error.h>
 #include <halfspace/halfspace.h>
 
 #include <array>
@@ -16,22 +15,6 @@
 static_assert(__cplusplus < 202002L, "what links the library stays C++17");
 
 namespace {
-
-std::string told;
-[[noreturn]] void Throw(const halfspace::Error& error) {
-  told = error.what();
-  throw error;
-}
-
-std::string ToldOfAnIndex(const halfspace::AaboWorld3& world) {
-  halfspace::SetErrorHandler(&Throw);
-  try {
-    world.Get(7);
-  } catch (const halfspace::Error&) {
-  }
-  halfspace::SetErrorHandler(nullptr);
-  return told;
-}
 
 void Check(bool is_right, const char* what) {
   if (is_right) return;
@@ -98,10 +81,6 @@ int main() {
                          halfspace::Segment3{{3, 3, 3}, {4, 4, 4}}) &&
             pieces[3] != pieces[2],
         "a piece");
-  Check(
-      ToldOfAnIndex(world) ==
-          "halfspace: World::Get: index: expected less than the size, 2, got 7",
-      told.c_str());
   const halfspace::TargetChoice choice = halfspace::DescribeTargetChoice();
   Check(choice.target == halfspace::ChosenTarget() && choice.error.empty(),
         "the choice of a target");
