@@ -178,11 +178,13 @@ HWY_INLINE uint64_t AllNegative(D d, V sums, Vs... more) {
   return LaneBits(d, hn::Lt(sums, hn::Zero(d)));
 }
 
-// Whether each sum is so far from 0 that its sign is the verdict.
+// Whether each sum is so far from 0 that its sign is the verdict. An infinite
+// one is not, because another sum of the object may have been a NaN, which is
+// the least only on some machines.
 template <class D>
 HWY_INLINE hn::Mask<D> IsCertain(D d, hn::Vec<hn::RebindToSigned<D>> sum,
                                  hn::Vec<D> slack) {
-  return hn::Ge(hn::Abs(hn::BitCast(d, sum)), slack);
+  return hn::Gt(hn::Abs(hn::BitCast(d, sum)), slack);
 }
 
 // The objects of several vectors that are behind a half-space. `unknown` are
