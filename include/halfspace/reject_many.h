@@ -37,7 +37,6 @@
 #include "halfspace/reject.h"
 #include "halfspace/span.h"
 #include "halfspace/target.h"
-#include "halfspace/visit.h"
 
 namespace halfspace {
 
