@@ -82,8 +82,8 @@ class HALFSPACE_API Error : public std::invalid_argument {
 // The thread that made the wrong call runs the handler, before the call ends.
 // At that time the call has written nothing, and the objects that it should
 // have changed are unchanged. The call may hold a lock of them, so a handler
-// must not use them. It runs in the default floating-point mode, or in the
-// caller's.
+// must not use them. A handler runs in the default floating-point mode, or in
+// the caller's.
 using ErrorHandler = void (*)(const Error& error);
 
 // Sets the error handler and returns the previous one. A null pointer is the
