@@ -141,8 +141,8 @@ NewBvh BuildFile(const Call& call, const hs_builder& builder) {
         call, config,
         detail::ColumnsOfRows(reinterpret_cast<const float*>(rows.bytes.data()),
                               builder.count, builder.objects.count));
-    if (!memory.Publish(bvh->tree.Blob().data())) {
-      SaveBvh(call, path, config.layout, bvh->tree);
+    if (!memory.Publish(bvh->core.Blob().data())) {
+      SaveBvh(call, path, config.layout, bvh->core);
     }
   }
   return MapBvh(call, path, builder.config);

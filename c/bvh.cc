@@ -93,7 +93,7 @@ NewBvh BuildBvh(const Call& call, const BvhConfig& config,
   BuildOptions options = config.options;
   options.run = threads.runner();
   auto bvh = MakeBvh(config.layout, options.memory);
-  bvh->tree.Build(objects, options);
+  bvh->core.Build(objects, options);
   return bvh;
 }
 
@@ -115,7 +115,7 @@ hs_bvh::hs_bvh(const PlaneLayout& its_layout,
     : layout(its_layout),
       objects(Values::OfObjects(layout)),
       queries(Values::OfQueries(layout)),
-      tree(halfspace::c::TypeOf(layout), memory) {}
+      core(halfspace::c::TypeOf(layout), memory) {}
 
 HALFSPACE_DEFAULTS_OF(hs_bvh_config, kBvhDefaults)
 
@@ -132,17 +132,17 @@ hs_status hs_bvh_create(const hs_bvh_config* config, const hs_columns* objects,
 }
 
 void hs_bvh_destroy(hs_bvh* bvh) {
-  if (bvh != nullptr) halfspace::c::Delete(bvh->tree.memory(), bvh);
+  if (bvh != nullptr) halfspace::c::Delete(bvh->core.memory(), bvh);
 }
 
 hs_status hs_bvh_size(const hs_bvh* bvh, size_t* size) {
   return Get("hs_bvh_size", "bvh", bvh, "size", size,
-             [&] { return bvh->tree.size(); });
+             [&] { return bvh->core.size(); });
 }
 
 hs_status hs_bvh_id_limit(const hs_bvh* bvh, size_t* limit) {
   return Get("hs_bvh_id_limit", "bvh", bvh, "limit", limit,
-             [&] { return bvh->tree.id_limit(); });
+             [&] { return bvh->core.id_limit(); });
 }
 
 hs_status hs_bvh_bounds(const hs_bvh* bvh, float* record) {
@@ -150,7 +150,7 @@ hs_status hs_bvh_bounds(const hs_bvh* bvh, float* record) {
     call.CheckPointer("bvh", bvh);
     call.CheckPointer("record", record);
     std::array<float, halfspace::c::kMostValues> values;
-    bvh->tree.Bounds({values.data(), bvh->objects.count});
+    bvh->core.Bounds({values.data(), bvh->objects.count});
     halfspace::c::WriteRecord(*bvh, values.data(), record);
   });
 }
@@ -161,10 +161,10 @@ hs_status hs_bvh_get(const hs_bvh* bvh, const uint32_t* ids, size_t count,
     call.CheckPointer("bvh", bvh);
     call.CheckArray("ids", ids, count);
     call.CheckArray("records", records, count);
-    bvh->tree.CheckIds({ids, count}, call.name());
+    bvh->core.CheckIds({ids, count}, call.name());
     std::array<float, halfspace::c::kMostValues> values;
     for (size_t i = 0; i < count; ++i) {
-      bvh->tree.Get(ids[i], {values.data(), bvh->objects.count});
+      bvh->core.Get(ids[i], {values.data(), bvh->objects.count});
       halfspace::c::WriteRecord(
           *bvh, values.data(),
           records + i * halfspace::c::RecordValues(bvh->layout));
@@ -175,7 +175,7 @@ hs_status hs_bvh_get(const hs_bvh* bvh, const uint32_t* ids, size_t count,
 hs_status hs_bvh_get_all(const hs_bvh* bvh, float* records, size_t room) {
   return Run("hs_bvh_get_all", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
-    const halfspace::detail::BvhTree& tree = bvh->tree;
+    const halfspace::detail::BvhTree& tree = bvh->core;
     const size_t limit = tree.id_limit();
     if (room < limit) {
       call.Fail(HS_INVALID_ARGUMENT, "room",
@@ -201,7 +201,7 @@ hs_status hs_bvh_get_all(const hs_bvh* bvh, float* records, size_t room) {
 
 hs_status hs_bvh_bytes(const hs_bvh* bvh, size_t* bytes) {
   return Get("hs_bvh_bytes", "bvh", bvh, "bytes", bytes,
-             [&] { return bvh->tree.bytes(); });
+             [&] { return bvh->core.bytes(); });
 }
 
 hs_status hs_bvh_insert(hs_bvh* bvh, const hs_columns* objects, uint32_t* ids) {
@@ -209,7 +209,7 @@ hs_status hs_bvh_insert(hs_bvh* bvh, const hs_columns* objects, uint32_t* ids) {
     call.CheckPointer("bvh", bvh);
     CheckColumns(call, "objects", objects, bvh->objects);
     call.CheckArray("ids", ids, objects->count);
-    bvh->tree.Insert(ColumnsOf(*objects, bvh->objects), {ids, objects->count});
+    bvh->core.Insert(ColumnsOf(*objects, bvh->objects), {ids, objects->count});
   });
 }
 
@@ -219,7 +219,7 @@ hs_status hs_bvh_insert_as(hs_bvh* bvh, const uint32_t* ids,
     call.CheckPointer("bvh", bvh);
     CheckColumns(call, "objects", objects, bvh->objects);
     call.CheckArray("ids", ids, objects->count);
-    bvh->tree.InsertAs({ids, objects->count},
+    bvh->core.InsertAs({ids, objects->count},
                        ColumnsOf(*objects, bvh->objects));
   });
 }
@@ -227,7 +227,7 @@ hs_status hs_bvh_insert_as(hs_bvh* bvh, const uint32_t* ids,
 hs_status hs_bvh_reserve(hs_bvh* bvh, size_t objects) {
   return Run("hs_bvh_reserve", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
-    bvh->tree.Reserve(objects);
+    bvh->core.Reserve(objects);
   });
 }
 
@@ -237,7 +237,7 @@ hs_status hs_bvh_set(hs_bvh* bvh, const uint32_t* ids,
     call.CheckPointer("bvh", bvh);
     CheckColumns(call, "objects", objects, bvh->objects);
     call.CheckArray("ids", ids, objects->count);
-    bvh->tree.Set({ids, objects->count}, ColumnsOf(*objects, bvh->objects));
+    bvh->core.Set({ids, objects->count}, ColumnsOf(*objects, bvh->objects));
   });
 }
 
@@ -245,7 +245,7 @@ hs_status hs_bvh_erase(hs_bvh* bvh, const uint32_t* ids, size_t count) {
   return Run("hs_bvh_erase", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
     call.CheckArray("ids", ids, count);
-    bvh->tree.Erase({ids, count});
+    bvh->core.Erase({ids, count});
   });
 }
 
@@ -255,9 +255,9 @@ hs_status hs_bvh_set_masks(hs_bvh* bvh, const uint32_t* ids,
     call.CheckPointer("bvh", bvh);
     call.CheckArray("ids", ids, count);
     call.CheckArray("masks", masks, count);
-    bvh->tree.CheckIds({ids, count}, call.name());
+    bvh->core.CheckIds({ids, count}, call.name());
     // Only the first allocates.
-    for (size_t i = 0; i < count; ++i) bvh->tree.SetMasks(ids[i], masks[i]);
+    for (size_t i = 0; i < count; ++i) bvh->core.SetMasks(ids[i], masks[i]);
   });
 }
 
@@ -266,7 +266,7 @@ hs_status hs_bvh_set_all_masks(hs_bvh* bvh, const uint32_t* masks,
   return Run("hs_bvh_set_all_masks", [&](const Call& call) {
     call.CheckPointer("bvh", bvh);
     call.CheckArray("masks", masks, count);
-    bvh->tree.SetMasks({masks, count});
+    bvh->core.SetMasks({masks, count});
   });
 }
 
@@ -276,7 +276,7 @@ hs_status hs_bvh_refit(hs_bvh* bvh, const hs_columns* objects,
     call.CheckPointer("bvh", bvh);
     CheckColumns(call, "objects", objects, bvh->objects);
     halfspace::c::CallerThreads threads(call, "run", run, run_context);
-    bvh->tree.Refit(ColumnsOf(*objects, bvh->objects), true, threads.runner());
+    bvh->core.Refit(ColumnsOf(*objects, bvh->objects), true, threads.runner());
   });
 }
 
@@ -291,11 +291,11 @@ hs_status hs_bvh_rebuild(hs_bvh* bvh, const hs_bvh_config* config) {
     options.quality = halfspace::c::ReadQuality(call, read.quality);
     options.target = halfspace::c::ReadTarget(call, "config", read.target);
     options.run = threads.runner();
-    bvh->tree.Rebuild(options);
+    bvh->core.Rebuild(options);
   });
 }
 
 hs_status hs_bvh_cost_ratio(const hs_bvh* bvh, double* ratio) {
   return Get("hs_bvh_cost_ratio", "bvh", bvh, "ratio", ratio,
-             [&] { return bvh->tree.CostRatio(); });
+             [&] { return bvh->core.CostRatio(); });
 }

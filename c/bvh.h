@@ -23,7 +23,7 @@ struct hs_bvh {
   const halfspace::detail::PlaneLayout layout;
   const halfspace::c::Values objects;
   const halfspace::c::Values queries;
-  halfspace::detail::BvhTree tree;
+  halfspace::detail::BvhTree core;
   // The file that the tree is in until it changes, if it was mapped.
   halfspace::Span<const std::byte> mapped;
 };

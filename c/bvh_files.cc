@@ -10,7 +10,7 @@ namespace halfspace::c {
 namespace {
 
 void Verify(const Call& call, const hs_bvh& bvh) {
-  if (bvh.tree.Verify()) return;
+  if (bvh.core.Verify()) return;
   call.Fail(HS_CORRUPT, "",
             "expected the bytes that hs_bvh_blob() returned, got altered ones: "
             "store the BVH again");
@@ -20,7 +20,7 @@ void Verify(const Call& call, const hs_bvh& bvh) {
 void LoadBytes(const Call& call, const char* argument, hs_bvh& bvh,
                Span<const std::byte> bytes, bool is_in_place) {
   try {
-    bvh.tree.Load(bytes, is_in_place);
+    bvh.core.Load(bytes, is_in_place);
   } catch (const Error& error) {
     if (error.argument() != "blob") throw;
     call.Fail(HS_CORRUPT, error, argument);
@@ -81,7 +81,7 @@ hs_status hs_bvh_blob(const hs_bvh* bvh, const void** data, size_t* size) {
     call.CheckPointer("bvh", bvh);
     call.CheckPointer("data", data);
     call.CheckPointer("size", size);
-    const Span<const std::byte> blob = bvh->tree.Blob();
+    const Span<const std::byte> blob = bvh->core.Blob();
     *data = blob.data();
     *size = blob.size();
   });
@@ -134,7 +134,7 @@ hs_status hs_bvh_save(const hs_bvh* bvh, const char* path) {
     const halfspace::c::NoCancel no_cancel;
     call.CheckPointer("bvh", bvh);
     call.CheckPointer("path", path);
-    halfspace::c::SaveBvh(call, path, bvh->layout, bvh->tree);
+    halfspace::c::SaveBvh(call, path, bvh->layout, bvh->core);
   });
 }
 

@@ -41,7 +41,7 @@ void Update(const Call& call, hs_pair_events* events, const hs_bvh* bvh,
       ReadOptions(call, "options", options, kPairEventDefaults);
   CallerThreads threads(call, "options->run", read.run, read.run_context);
   events->core.Update(
-      {PairKernelsOf(call, bvh->layout), &bvh->tree, nullptr, changed},
+      {PairKernelsOf(call, bvh->layout), &bvh->core, nullptr, changed},
       {.mask = read.mask,
        .margin = read.margin,
        .run = threads.runner(),

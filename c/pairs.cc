@@ -81,8 +81,8 @@ hs_status WritePairs(const char* name, const Sources<World>& from,
                  const detail::BvhPairKernels* kernels) {
                if constexpr (kIsBvh<World>) {
                  *total = detail::BvhPairs(
-                     {kernels, &from.a->tree,
-                      from.b == nullptr ? nullptr : &from.b->tree,
+                     {kernels, &from.a->core,
+                      from.b == nullptr ? nullptr : &from.b->core,
                       from.is_of_set ? &set : nullptr},
                      to, read);
                } else {
@@ -109,8 +109,8 @@ hs_status CallForPairs(const char* name, const Sources<World>& from,
                  const detail::BvhPairKernels* kernels) {
                if constexpr (kIsBvh<World>) {
                  detail::BvhForEachPair(
-                     {kernels, &from.a->tree,
-                      from.b == nullptr ? nullptr : &from.b->tree,
+                     {kernels, &from.a->core,
+                      from.b == nullptr ? nullptr : &from.b->core,
                       from.is_of_set ? &set : nullptr},
                      &decltype(some)::Run, &some, read);
                } else {
@@ -195,5 +195,5 @@ hs_status hs_bvh_join_each(const hs_bvh* a, const hs_bvh* b,
 
 hs_status hs_bvh_pair_parts(const hs_bvh* bvh, size_t* parts) {
   return Get("hs_bvh_pair_parts", "bvh", bvh, "parts", parts,
-             [&] { return (bvh->tree.ids().size() + 63) / 64; });
+             [&] { return (bvh->core.ids().size() + 63) / 64; });
 }

@@ -158,33 +158,28 @@ hs_status Query(const char* name, const World* world, const hs_columns* columns,
       offsets[0] = 0;
     }
     Results<std::uint32_t> results(ids, room, queries.skip);
-    queries.ForEach([&](const float* rows, std::size_t begin,
-                        std::size_t count) {
-      if constexpr (kIsBvh<World>) {
-        if (count > 1) {
-          std::size_t* const to =
-              offsets != nullptr ? offsets + begin : own_offsets;
-          const std::size_t before = results.total();
-          results.Add(detail::BvhSurvivorsOfEach(
-              world->tree, queries.From(rows, 0, count), results.span(),
-              {to, count + 1}, queries.search, results.skip()));
-          for (std::size_t i = 0; i <= count; ++i) to[i] += before;
-          return;
-        }
-      }
-      // Together they would need a copy of the tree while bodies move.
-      for (std::size_t q = 0; q < count; ++q) {
-        const detail::BvhQueries query = queries.From(rows, q);
-        if constexpr (kIsBvh<World>) {
-          results.Add(detail::BvhSurvivors(world->tree, query, results.span(),
-                                           queries.search, results.skip()));
-        } else {
-          results.Add(world->core.Survivors(query, results.span(),
-                                            queries.search, results.skip()));
-        }
-        if (offsets != nullptr) offsets[begin + q + 1] = results.total();
-      }
-    });
+    queries.ForEach(
+        [&](const float* rows, std::size_t begin, std::size_t count) {
+          if constexpr (kIsBvh<World>) {
+            if (count > 1) {
+              std::size_t* const to =
+                  offsets != nullptr ? offsets + begin : own_offsets;
+              const std::size_t before = results.total();
+              results.Add(world->core.SurvivorsOfEach(
+                  queries.From(rows, 0, count), results.span(), {to, count + 1},
+                  queries.search, results.skip()));
+              for (std::size_t i = 0; i <= count; ++i) to[i] += before;
+              return;
+            }
+          }
+          // Together they would need a copy of the tree while bodies move.
+          for (std::size_t q = 0; q < count; ++q) {
+            const detail::BvhQueries query = queries.From(rows, q);
+            results.Add(world->core.Survivors(query, results.span(),
+                                              queries.search, results.skip()));
+            if (offsets != nullptr) offsets[begin + q + 1] = results.total();
+          }
+        });
     *total = results.total();
   });
 }
@@ -200,19 +195,14 @@ hs_status CountAll(const char* name, const World* world,
         [&](const float* rows, std::size_t begin, std::size_t count) {
           if constexpr (kIsBvh<World>) {
             if (queries.kind == nullptr) {
-              detail::BvhCountOfEach(world->tree, queries.From(rows, 0, count),
-                                     {counts + begin, count}, queries.search);
+              world->core.CountOfEach(queries.From(rows, 0, count),
+                                      {counts + begin, count}, queries.search);
               return;
             }
           }
           for (std::size_t q = 0; q < count; ++q) {
             const detail::BvhQueries query = queries.From(rows, q);
-            if constexpr (kIsBvh<World>) {
-              counts[begin + q] =
-                  detail::BvhCount(world->tree, query, queries.search);
-            } else {
-              counts[begin + q] = world->core.Count(query, queries.search);
-            }
+            counts[begin + q] = world->core.Count(query, queries.search);
           }
         });
   });
@@ -231,22 +221,18 @@ hs_status AnyOfEach(const char* name, const World* world,
             const detail::BvhQueries query = queries.From(rows, q);
             std::uint32_t& id = ids[begin + q];
             id = HS_NO_ID;
-            if constexpr (kIsBvh<World>) {
-              detail::BvhAny(world->tree, query, id, queries.search);
-            } else {
-              world->core.Any(query, id, queries.search);
-            }
+            world->core.Any(query, id, queries.search);
           }
         });
   });
 }
 
-// Calls the function of a probe.
+// Calls the function of a query.
 template <typename World>
-class Prober {
+class EachQuery {
  public:
-  Prober(const World& world, const Queries& queries, hs_ids_function function,
-         void* context)
+  EachQuery(const World& world, const Queries& queries,
+            hs_ids_function function, void* context)
       : world_(world),
         queries_(queries),
         function_(function),
@@ -274,10 +260,9 @@ class Prober {
     if constexpr (kIsBvh<World>) {
       std::array<std::uint32_t, kRoom> ids;
       std::array<std::size_t, kTogether + 1> offsets;
-      const std::size_t found = detail::BvhSurvivorsOfEach(
-          world_.tree, queries_.From(rows, first, count),
-          {ids.data(), ids.size()}, {offsets.data(), count + 1},
-          queries_.search, 0);
+      const std::size_t found = world_.core.SurvivorsOfEach(
+          queries_.From(rows, first, count), {ids.data(), ids.size()},
+          {offsets.data(), count + 1}, queries_.search, 0);
       is_one_by_one_ = found > ids.size();
       if (is_one_by_one_) return false;
       for (std::size_t q = 0; q < count && !is_stopped_; ++q) {
@@ -297,13 +282,7 @@ class Prober {
         return !is_stopped_;
       }};
       const detail::BvhQueries query = queries_.From(rows, q);
-      if constexpr (kIsBvh<World>) {
-        detail::BvhForEach(world_.tree, query, &decltype(call)::Run, &call,
-                           queries_.search);
-      } else {
-        world_.core.ForEach(query, &decltype(call)::Run, &call,
-                            queries_.search);
-      }
+      world_.core.ForEach(query, &decltype(call)::Run, &call, queries_.search);
     }
   }
 
@@ -321,15 +300,15 @@ class Prober {
 };
 
 template <typename World>
-hs_status Probe(const char* name, const World* world, const hs_columns* columns,
-                const hs_query_options* options, hs_ids_function function,
-                void* context) {
+hs_status QueryEach(const char* name, const World* world,
+                    const hs_columns* columns, const hs_query_options* options,
+                    hs_ids_function function, void* context) {
   return Run(name, [&](const Call& call) {
     const Queries queries(call, world, columns, options);
     call.CheckPointer("function", function);
-    Prober<World> prober(*world, queries, function, context);
+    EachQuery<World> each(*world, queries, function, context);
     queries.ForEach([&](const float* rows, std::size_t begin,
-                        std::size_t count) { prober.Run(rows, begin, count); });
+                        std::size_t count) { each.Run(rows, begin, count); });
   });
 }
 
@@ -386,13 +365,8 @@ void Nearest(const Call& call, const World& world, const hs_columns& columns,
                 }
                 const detail::NearQueries queries = {rows, values.minima,
                                                      values.count, count};
-                if constexpr (kIsBvh<World>) {
-                  detail::BvhNearestOfEach(world.tree, queries, k, max_distance,
-                                           its_ids, its_distances, search);
-                } else {
-                  world.core.NearestOfEach(queries, k, max_distance, its_ids,
-                                           its_distances, search);
-                }
+                world.core.NearestOfEach(queries, k, max_distance, its_ids,
+                                         its_distances, search);
               });
 }
 
@@ -490,12 +464,7 @@ void CastEach(const Call& call, const World* world, const Casts& casts,
           }};
           const detail::LineCast cast = {
               call.name(), start, high, motion, limit, radius, are_spheres};
-          if constexpr (kIsBvh<World>) {
-            detail::BvhCast(world->tree, cast, &decltype(one)::Run, &one,
-                            search);
-          } else {
-            world->core.Cast(cast, &decltype(one)::Run, &one, search);
-          }
+          world->core.Cast(cast, &decltype(one)::Run, &one, search);
         }
       });
 }
@@ -570,10 +539,10 @@ struct Triangles {
     }
     CheckColumns(call, "triangles", triangles, 0, 9);
     CheckFloats(call, "triangles", *triangles);
-    if (triangles->count < bvh->tree.id_limit()) {
+    if (triangles->count < bvh->core.id_limit()) {
       call.Fail(HS_INVALID_ARGUMENT, "triangles->count",
                 "expected at least hs_bvh_id_limit(), %zu, got %zu",
-                bvh->tree.id_limit(), triangles->count);
+                bvh->core.id_limit(), triangles->count);
     }
   }
 
@@ -699,8 +668,8 @@ hs_status ClosestPoints(const hs_bvh* bvh, const hs_columns* points,
                   }
                   return Limit{limit};
                 }};
-            detail::BvhForEachNearest(bvh->tree, {row, 0, 3, 1}, max_distance,
-                                      &decltype(one)::Run, &one, search);
+            bvh->core.ForEachNearest({row, 0, 3, 1}, max_distance,
+                                     &decltype(one)::Run, &one, search);
             ids[begin + i] = id;
             if (distances != nullptr) distances[begin + i] = best.distance;
             if (closest != nullptr) {
@@ -726,8 +695,8 @@ using halfspace::c::EachTriangle;
 using halfspace::c::FirstTriangles;
 using halfspace::c::NearestToBoxes;
 using halfspace::c::NearestToPoints;
-using halfspace::c::Probe;
 using halfspace::c::Query;
+using halfspace::c::QueryEach;
 
 HALFSPACE_DEFAULTS_OF(hs_query_options, kQueryDefaults)
 
@@ -747,10 +716,11 @@ HALFSPACE_DEFAULTS_OF(hs_query_options, kQueryDefaults)
                        const hs_query_options* options, uint32_t* ids) {       \
     return AnyOfEach(#Type "_any", in, queries, options, ids);                 \
   }                                                                            \
-  hs_status Type##_probe(const Type* in, const hs_columns* queries,            \
-                         const hs_query_options* options,                      \
-                         hs_ids_function function, void* context) {            \
-    return Probe(#Type "_probe", in, queries, options, function, context);     \
+  hs_status Type##_query_each(const Type* in, const hs_columns* queries,       \
+                              const hs_query_options* options,                 \
+                              hs_ids_function function, void* context) {       \
+    return QueryEach(#Type "_query_each", in, queries, options, function,      \
+                     context);                                                 \
   }                                                                            \
   hs_status Type##_nearest_to_points(                                          \
       const Type* in, const hs_columns* points, size_t k, float max_distance,  \

@@ -86,7 +86,7 @@ int main(void) {
     const hs_columns batch =
         columns_of(&probe, i, i + BATCH < ROWS ? BATCH : ROWS - i);
     its.first_row = i;
-    if (hs_bvh_probe(bvh, &batch, NULL, on_candidates, &its) != HS_OK) {
+    if (hs_bvh_query_each(bvh, &batch, NULL, on_candidates, &its) != HS_OK) {
       return fail();
     }
   }

@@ -122,7 +122,7 @@ void ForEachWithLate(const BroadPhaseState& state, const Reading& reading,
   };
   const auto run = [&](const BvhTree& tree, const auto& function) {
     Callback callback{function};
-    BvhForEach(tree, query, &decltype(callback)::Run, &callback, options);
+    tree.ForEach(query, &decltype(callback)::Run, &callback, options);
     return goes_on;
   };
   LateLeaf leaf(state);
@@ -141,12 +141,12 @@ std::size_t BroadPhaseCore::Survivors(const BvhQueries& query,
   return Ask(
       *state_,
       [&](const BvhTree& tree) {
-        return BvhSurvivors(tree, query, ids, options, skip);
+        return tree.Survivors(query, ids, options, skip);
       },
       [&](const Reading& reading) {
         // Checks the arguments in the name of this call.
         const BvhTree nothing(state_->type, state_->options.memory);
-        std::ignore = BvhSurvivors(nothing, query, ids, options, skip);
+        std::ignore = nothing.Survivors(query, ids, options, skip);
         IdSink to(ids, skip);
         ForEachWithLate(*state_, reading, query, options,
                         [&](Span<const std::uint32_t> some) {
@@ -164,8 +164,7 @@ std::size_t BroadPhaseCore::Survivors(const BvhQueries& query,
 std::size_t BroadPhaseCore::Count(const BvhQueries& query,
                                   const QueryOptions& options) const {
   return Ask(
-      *state_,
-      [&](const BvhTree& tree) { return BvhCount(tree, query, options); },
+      *state_, [&](const BvhTree& tree) { return tree.Count(query, options); },
       [&](const Reading& reading) {
         std::size_t count = 0;
         ForEachWithLate(*state_, reading, query, options,
@@ -181,7 +180,7 @@ bool BroadPhaseCore::Any(const BvhQueries& query, std::uint32_t& id,
                          const QueryOptions& options) const {
   return Ask(
       *state_,
-      [&](const BvhTree& tree) { return BvhAny(tree, query, id, options); },
+      [&](const BvhTree& tree) { return tree.Any(query, id, options); },
       [&](const Reading& reading) {
         bool is_any = false;
         ForEachWithLate(*state_, reading, query, options,
@@ -199,7 +198,7 @@ void BroadPhaseCore::ForEach(const BvhQueries& query, IdsFunction function,
   Ask(
       *state_,
       [&](const BvhTree& tree) {
-        BvhForEach(tree, query, function, context, options);
+        tree.ForEach(query, function, context, options);
       },
       [&](const Reading& reading) {
         ForEachWithLate(*state_, reading, query, options,
@@ -215,7 +214,7 @@ std::size_t BroadPhaseCore::SurvivorsOfEach(const BvhQueries& queries,
                                             const QueryOptions& options,
                                             std::size_t skip) const {
   return AskCopy(*state_, [&](const BvhTree& tree) {
-    return BvhSurvivorsOfEach(tree, queries, ids, offsets, options, skip);
+    return tree.SurvivorsOfEach(queries, ids, offsets, options, skip);
   });
 }
 
@@ -224,7 +223,7 @@ std::size_t BroadPhaseCore::Nearest(const NearQueries& query,
                                     Span<float> distances,
                                     const SearchOptions& options) const {
   return AskCopy(*state_, [&](const BvhTree& tree) {
-    return BvhNearest(tree, query, max_distance, ids, distances, options);
+    return tree.Nearest(query, max_distance, ids, distances, options);
   });
 }
 
@@ -233,7 +232,7 @@ void BroadPhaseCore::NearestOfEach(const NearQueries& queries, std::size_t k,
                                    Span<float> distances,
                                    const SearchOptions& options) const {
   AskCopy(*state_, [&](const BvhTree& tree) {
-    BvhNearestOfEach(tree, queries, k, max_distance, ids, distances, options);
+    tree.NearestOfEach(queries, k, max_distance, ids, distances, options);
   });
 }
 
@@ -241,9 +240,7 @@ void BroadPhaseCore::Cast(const LineCast& cast, NearFunction function,
                           void* context, const SearchOptions& options) const {
   Ask(
       *state_,
-      [&](const BvhTree& tree) {
-        BvhCast(tree, cast, function, context, options);
-      },
+      [&](const BvhTree& tree) { tree.Cast(cast, function, context, options); },
       [&](const Reading& reading) {
         // The limit that one tree ends with is the limit of the next one.
         LineCast rest = cast;
@@ -255,7 +252,7 @@ void BroadPhaseCore::Cast(const LineCast& cast, NearFunction function,
           return Limit{rest.max_t};
         }};
         const auto run = [&](const BvhTree& tree) {
-          BvhCast(tree, rest, &decltype(hit)::Run, &hit, options);
+          tree.Cast(rest, &decltype(hit)::Run, &hit, options);
           return !(rest.max_t < 0);
         };
         LateLeaf leaf(*state_);
@@ -271,7 +268,7 @@ std::size_t BroadPhaseCore::PairsOf(const BvhPairKernels* kernels,
                                     const PairOptions& options) const {
   state_->CheckBodies("PairsOf", ids);
   return AskCopy(*state_, [&](const BvhTree& tree) {
-    return BvhPairs({kernels, &tree, nullptr, &ids}, pairs, options);
+    return tree.PairsOf(kernels, ids, pairs, options);
   });
 }
 
@@ -281,7 +278,7 @@ void BroadPhaseCore::ForEachPairOf(const BvhPairKernels* kernels,
                                    const PairOptions& options) const {
   state_->CheckBodies("ForEachPairOf", ids);
   AskCopy(*state_, [&](const BvhTree& tree) {
-    BvhForEachPair({kernels, &tree, nullptr, &ids}, function, context, options);
+    tree.ForEachPairOf(kernels, ids, function, context, options);
   });
 }
 

@@ -27,32 +27,32 @@ void RunWalks(const BvhTree& tree, const BvhQueries& queries,
 
 }  // namespace
 
-std::size_t BvhSurvivors(const BvhTree& tree, const BvhQueries& query,
-                         Span<std::uint32_t> ids, const QueryOptions& options,
-                         std::size_t skip) {
+std::size_t BvhTree::Survivors(const BvhQueries& query, Span<std::uint32_t> ids,
+                               const QueryOptions& options,
+                               std::size_t skip) const {
   constexpr const char* kCall = "Survivors";
-  const auto& kernels = KernelsFor(tree.type(), options.target, kCall);
+  const auto& kernels = KernelsFor(type(), options.target, kCall);
   dispatch::CheckMemory(kCall, "ids", ids.data(), ids.size(),
                         alignof(std::uint32_t));
   IdSink to(ids, skip);
-  RunWalks(tree, query, options, kCall, kernels, &to, nullptr);
+  RunWalks(*this, query, options, kCall, kernels, &to, nullptr);
   to.Flush();
   return to.flushed;
 }
 
-std::size_t BvhCount(const BvhTree& tree, const BvhQueries& query,
-                     const QueryOptions& options) {
+std::size_t BvhTree::Count(const BvhQueries& query,
+                           const QueryOptions& options) const {
   constexpr const char* kCall = "CountSurvivors";
-  const auto& kernels = KernelsFor(tree.type(), options.target, kCall);
+  const auto& kernels = KernelsFor(type(), options.target, kCall);
   std::size_t count = 0;
-  RunWalks(tree, query, options, kCall, kernels, nullptr, &count);
+  RunWalks(*this, query, options, kCall, kernels, nullptr, &count);
   return count;
 }
 
-void BvhCountOfEach(const BvhTree& tree, const BvhQueries& queries,
-                    Span<std::size_t> counts, const QueryOptions& options) {
+void BvhTree::CountOfEach(const BvhQueries& queries, Span<std::size_t> counts,
+                          const QueryOptions& options) const {
   constexpr const char* kCall = "CountSurvivorsOfEach";
-  const auto& kernels = KernelsFor(tree.type(), options.target, kCall);
+  const auto& kernels = KernelsFor(type(), options.target, kCall);
   dispatch::CheckMemory(kCall, "queries", queries.first, queries.count,
                         alignof(float));
   if (counts.size() < queries.count) {
@@ -64,50 +64,50 @@ void BvhCountOfEach(const BvhTree& tree, const BvhQueries& queries,
   dispatch::CheckMemory(kCall, "counts", counts.data(), counts.size(),
                         alignof(std::size_t));
   std::fill_n(counts.data(), queries.count, 0);
-  RunWalks(tree, queries, options, kCall, kernels, nullptr, counts.data());
+  RunWalks(*this, queries, options, kCall, kernels, nullptr, counts.data());
 }
 
-bool BvhAny(const BvhTree& tree, const BvhQueries& query, std::uint32_t& id,
-            const QueryOptions& options) {
+bool BvhTree::Any(const BvhQueries& query, std::uint32_t& id,
+                  const QueryOptions& options) const {
   constexpr const char* kCall = "AnySurvivor";
-  const auto& kernels = KernelsFor(tree.type(), options.target, kCall);
+  const auto& kernels = KernelsFor(type(), options.target, kCall);
   std::uint32_t buffer[kBlockObjects];
   WalkIds first{{buffer, buffer, buffer + 1,
                  [](Results<std::uint32_t>&) { return false; }, 0},
                 nullptr};
-  RunWalks(tree, query, options, kCall, kernels, &first, nullptr, true);
+  RunWalks(*this, query, options, kCall, kernels, &first, nullptr, true);
   if (first.next == buffer) return false;
   id = buffer[0];
   return true;
 }
 
-void BvhForEach(const BvhTree& tree, const BvhQueries& query,
-                IdsFunction function, void* context,
-                const QueryOptions& options) {
+void BvhTree::ForEach(const BvhQueries& query, IdsFunction function,
+                      void* context, const QueryOptions& options) const {
   constexpr const char* kCall = "ForEachSurvivor";
-  const auto& kernels = KernelsFor(tree.type(), options.target, kCall);
+  const auto& kernels = KernelsFor(type(), options.target, kCall);
   IdSink to(function, context);
   to.full = to.begin + 1;  // the ids of the first leaf are wanted soon
-  RunWalks(tree, query, options, kCall, kernels, &to, nullptr, true);
+  RunWalks(*this, query, options, kCall, kernels, &to, nullptr, true);
   to.Flush();
 }
 
-std::size_t BvhSurvivorsOfEach(const BvhTree& tree, const BvhQueries& queries,
-                               Span<std::uint32_t> ids,
-                               Span<std::size_t> offsets,
-                               const QueryOptions& options, std::size_t skip) {
+std::size_t BvhTree::SurvivorsOfEach(const BvhQueries& queries,
+                                     Span<std::uint32_t> ids,
+                                     Span<std::size_t> offsets,
+                                     const QueryOptions& options,
+                                     std::size_t skip) const {
   constexpr const char* kCall = "SurvivorsOfEach";
-  const auto& kernels = KernelsFor(tree.type(), options.target, kCall);
+  const auto& kernels = KernelsFor(type(), options.target, kCall);
   CheckOfEach(
       kCall, queries.first, queries.count,
       queries.kind != nullptr ? queries.kind->alignment : alignof(float), ids,
       offsets);
   IdSink to(ids, skip);
   to.offsets = offsets.data();
-  RunWalks(tree, queries, options, kCall, kernels, &to, nullptr);
+  RunWalks(*this, queries, options, kCall, kernels, &to, nullptr);
   offsets[0] = 0;
   // No query has walked.
-  if (FindsNothing(tree, options.mask)) {
+  if (FindsNothing(*this, options.mask)) {
     std::fill_n(offsets.data(), queries.count + 1, 0);
   }
   to.Flush();

@@ -210,24 +210,24 @@ bool MakeCastLine(const PlaneLayout& layout, const LineCast& cast, Line& line) {
 
 }  // namespace
 
-std::size_t BvhNearest(const BvhTree& tree, const NearQueries& query,
-                       float max_distance, Span<std::uint32_t> ids,
-                       Span<float> distances, const SearchOptions& options) {
+std::size_t BvhTree::Nearest(const NearQueries& query, float max_distance,
+                             Span<std::uint32_t> ids, Span<float> distances,
+                             const SearchOptions& options) const {
   constexpr const char* kCall = "KNearest";
   CheckOutputs(kCall, max_distance, ids, distances);
   const auto& kernels = KernelsFor(options, kCall);
-  if (FindsNothing(tree, options.mask)) return 0;
-  NearestSearch search = MakeSearch(tree, options);
+  if (FindsNothing(*this, options.mask)) return 0;
+  NearestSearch search = MakeSearch(*this, options);
   return dispatch::InDefaultFpMode([&] {
     SetQuery(query, 0, KeyLimit(max_distance), search);
     return WriteNearest(kernels, search, ids, distances);
   });
 }
 
-void BvhNearestOfEach(const BvhTree& tree, const NearQueries& queries,
-                      std::size_t k, float max_distance,
-                      Span<std::uint32_t> ids, Span<float> distances,
-                      const SearchOptions& options) {
+void BvhTree::NearestOfEach(const NearQueries& queries, std::size_t k,
+                            float max_distance, Span<std::uint32_t> ids,
+                            Span<float> distances,
+                            const SearchOptions& options) const {
   constexpr const char* kCall = "KNearestOfEach";
   dispatch::CheckMemory(kCall, "queries", queries.values, queries.count,
                         alignof(float));
@@ -240,7 +240,7 @@ void BvhNearestOfEach(const BvhTree& tree, const NearQueries& queries,
                            std::to_string(ids.size()));
   }
   const auto& kernels = KernelsFor(options, kCall);
-  NearestSearch search = MakeSearch(tree, options);
+  NearestSearch search = MakeSearch(*this, options);
   dispatch::InDefaultFpMode([&] {
     const float limit = KeyLimit(max_distance);
     for (std::size_t row = 0; row < ids.size(); row += k) {
@@ -249,7 +249,7 @@ void BvhNearestOfEach(const BvhTree& tree, const NearQueries& queries,
           distances.empty() ? Span<float>()
                             : Span<float>(distances.data() + row, k);
       std::size_t found = 0;
-      if (!FindsNothing(tree, options.mask)) {
+      if (!FindsNothing(*this, options.mask)) {
         SetQuery(queries, row / k, limit, search);
         found = WriteNearest(kernels, search, row_ids, row_distances);
       }
@@ -261,25 +261,25 @@ void BvhNearestOfEach(const BvhTree& tree, const NearQueries& queries,
   });
 }
 
-void BvhForEachNearest(const BvhTree& tree, const NearQueries& query,
-                       float max_distance, NearFunction function, void* context,
-                       const SearchOptions& options) {
+void BvhTree::ForEachNearest(const NearQueries& query, float max_distance,
+                             NearFunction function, void* context,
+                             const SearchOptions& options) const {
   constexpr const char* kCall = "ForEachNearest";
   dispatch::CheckLength(kCall, "max_distance", max_distance);
   const auto& kernels = KernelsFor(options, kCall);
-  if (FindsNothing(tree, options.mask)) return;
-  NearestSearch search = MakeSearch(tree, options);
+  if (FindsNothing(*this, options.mask)) return;
+  NearestSearch search = MakeSearch(*this, options);
   dispatch::InDefaultFpMode(
       [&] { SetQuery(query, 0, KeyLimit(max_distance), search); });
   Call(kernels, search, function, context);
 }
 
-void BvhCast(const BvhTree& tree, const LineCast& cast, NearFunction function,
-             void* context, const SearchOptions& options) {
+void BvhTree::Cast(const LineCast& cast, NearFunction function, void* context,
+                   const SearchOptions& options) const {
   const auto& kernels = CheckCast(cast, options.target);
-  if (FindsNothing(tree, options.mask)) return;
+  if (FindsNothing(*this, options.mask)) return;
   LineSearch search;
-  search.levels = &tree.levels();
+  search.levels = &levels();
   search.mask = options.mask;
   dispatch::DefaultFpMode mode;
   NearCallback callback = {function, context, mode};
@@ -287,10 +287,10 @@ void BvhCast(const BvhTree& tree, const LineCast& cast, NearFunction function,
   search.context = &callback;
   const bool is_ball = cast.is_round && cast.radius > 0;
   dispatch::CallApart([&] {
-    if (!MakeCastLine(tree.type(), cast, search.line)) return;
+    if (!MakeCastLine(type(), cast, search.line)) return;
     if (!is_ball) return kernels.cast(search);
     const Line line = search.line;
-    BallCallback of_ball = {callback, {tree.type(), cast, line}, line.max_t};
+    BallCallback of_ball = {callback, {type(), cast, line}, line.max_t};
     search.function = &BallCallback::Run;
     search.context = &of_ball;
     kernels.cast(search);

@@ -274,4 +274,17 @@ void BvhForEachPair(const PairSources& sources, PairsFunction function,
   to.Flush();
 }
 
+std::size_t BvhTree::PairsOf(const BvhPairKernels* kernels,
+                             Span<const std::uint32_t> ids, Span<IdPair> pairs,
+                             const PairOptions& options) const {
+  return BvhPairs({kernels, this, nullptr, &ids}, pairs, options);
+}
+
+void BvhTree::ForEachPairOf(const BvhPairKernels* kernels,
+                            Span<const std::uint32_t> ids,
+                            PairsFunction function, void* context,
+                            const PairOptions& options) const {
+  BvhForEachPair({kernels, this, nullptr, &ids}, function, context, options);
+}
+
 }  // namespace halfspace::detail

@@ -12,10 +12,20 @@
 //   ForEachSurvivor(bodies, query_box, [](Span<const std::uint32_t> ids) {});
 //
 // A broad phase is a Bvh (bvh.h) with the caller's ids, and a record of each
-// body that threads write while others query. Its queries have the names, the
-// arguments and the results of those of a Bvh. A program whose frame has
-// phases (move all, update, then query) needs no broad phase: a Bvh and
-// PairEvents (pair_events.h) do the same without a lock (docs/design.md).
+// body that threads write while others query. A program whose frame has phases
+// (move all, update, then query) needs no broad phase: a Bvh and PairEvents
+// (pair_events.h) do the same without a lock (docs/design.md).
+//
+// Queries: those of bvh.h, bvh_shapes.h, bvh_nearest.h and bvh_pairs.h, except
+// CountSurvivorsOfEach(), ForEachNearest(), Pairs() and ForEachPair(). Each
+// finds every body by a bound that the body had during the query. It can see
+// some moves of one Move() of many bodies, and not yet the others. A function
+// that a query calls may take locks, run other queries and call Move(). It must
+// return on the thread that called the query: a fiber must not go on on another
+// thread. SurvivorsOfEach(), KNearest(), KNearestOfEach(), PairsOf() and
+// ForEachPairOf() copy the tree if bodies have moved since the last Update()
+// and another query runs. So call Update() before them where queries run at the
+// same time.
 //
 // Bounds are boxes or octahedra of floats in 2 or 3 dimensions. Builders
 // (fit.h) return octahedra: BoundSphere(sphere) is a bound of an
@@ -48,13 +58,9 @@
 #ifndef HALFSPACE_BROAD_PHASE_H_
 #define HALFSPACE_BROAD_PHASE_H_
 
-#include <array>  // std::data
 #include <cstddef>
 #include <cstdint>
-#include <limits>
-#include <optional>
 #include <type_traits>
-#include <utility>
 
 #include "halfspace/bounds.h"
 #include "halfspace/bvh.h"
@@ -262,7 +268,7 @@ class BroadPhase {
   // `run` (runner.h) runs parts of a search for all pairs. The pairs do not
   // depend on it. If it throws, the call has changed nothing.
   void UpdatePairs(const Runner& run = {}) {
-    core_.UpdatePairs(detail::BvhPairKernelsOf<Bound::kAxes>::kTargets, run);
+    core_.UpdatePairs(detail::PairKernels<View>(), run);
   }
 
   // Of the last UpdatePairs(): all pairs, those that were not there after the
@@ -316,181 +322,7 @@ const BroadPhaseCore& CoreOf(const BroadPhase<View>& bodies) {
   return bodies.core_;
 }
 
-template <typename View, typename Function>
-void CastLine(const BroadPhase<View>& bodies, const LineCast& cast,
-              Function& function, const SearchOptions& options) {
-  Callback call{WithPlanes<typename View::Bound>(function)};
-  CoreOf(bodies).Cast(cast, &decltype(call)::Run, &call, options);
-}
-
 }  // namespace detail
-
-// The queries of bvh.h, bvh_shapes.h, bvh_nearest.h and bvh_pairs.h. Each finds
-// every body by a bound that the body had during the query. It can see some
-// moves of one Move() of many bodies, and not yet the others.
-//
-// A function that a query calls may take locks, run other queries and call
-// Move(). It must return on the thread that called the query: a fiber must not
-// go on on another thread.
-//
-// SurvivorsOfEach(), KNearest(), KNearestOfEach(), PairsOf() and
-// ForEachPairOf() copy the tree if bodies have moved since the last Update()
-// and another query runs. So call Update() before them where queries run at the
-// same time.
-
-// As Survivors() of bvh.h.
-template <typename View, typename Query = typename View::Query,
-          typename Asked = detail::BvhAsked<View, Query>>
-[[nodiscard]] std::size_t Survivors(const BroadPhase<View>& bodies,
-                                    const Query& query, Span<std::uint32_t> ids,
-                                    const QueryOptions& options = {},
-                                    std::size_t skip = 0) {
-  return detail::CoreOf(bodies).Survivors(Asked::Of(query), ids, options, skip);
-}
-
-// As CountSurvivors() of bvh.h.
-template <typename View, typename Query = typename View::Query,
-          typename Asked = detail::BvhAsked<View, Query>>
-[[nodiscard]] std::size_t CountSurvivors(const BroadPhase<View>& bodies,
-                                         const Query& query,
-                                         const QueryOptions& options = {}) {
-  return detail::CoreOf(bodies).Count(Asked::Of(query), options);
-}
-
-// As AnySurvivor() of bvh.h.
-template <typename View, typename Query = typename View::Query,
-          typename Asked = detail::BvhAsked<View, Query>>
-[[nodiscard]] std::optional<std::uint32_t> AnySurvivor(
-    const BroadPhase<View>& bodies, const Query& query,
-    const QueryOptions& options = {}) {
-  std::uint32_t id = 0;
-  if (!detail::CoreOf(bodies).Any(Asked::Of(query), id, options)) {
-    return std::nullopt;
-  }
-  return id;
-}
-
-// As ForEachSurvivor() of bvh.h.
-template <typename View, typename Function,
-          typename Query = typename View::Query,
-          typename Asked = detail::BvhAsked<View, Query>>
-void ForEachSurvivor(const BroadPhase<View>& bodies, const Query& query,
-                     Function&& function, const QueryOptions& options = {}) {
-  detail::Callback call{function};
-  detail::CoreOf(bodies).ForEach(Asked::Of(query), &decltype(call)::Run, &call,
-                                 options);
-}
-
-// As SurvivorsOfEach() of bvh.h.
-template <typename View, typename Queries = Span<const typename View::Query>,
-          typename Query = std::decay_t<
-              decltype(*std::data(std::declval<const Queries&>()))>,
-          typename Asked = detail::BvhAsked<View, Query>>
-[[nodiscard]] std::size_t SurvivorsOfEach(const BroadPhase<View>& bodies,
-                                          const Queries& queries,
-                                          Span<std::uint32_t> ids,
-                                          Span<std::size_t> offsets,
-                                          const QueryOptions& options = {},
-                                          std::size_t skip = 0) {
-  return detail::CoreOf(bodies).SurvivorsOfEach(Asked::OfEach(queries), ids,
-                                                offsets, options, skip);
-}
-
-// As KNearest() of bvh_nearest.h, from a point or from a box.
-template <typename View>
-[[nodiscard]] std::size_t KNearest(
-    const BroadPhase<View>& bodies,
-    const Point<View::Bound::kDimensions>& point, Span<std::uint32_t> ids,
-    Span<float> distances,
-    float max_distance = std::numeric_limits<float>::infinity(),
-    const SearchOptions& options = {}) {
-  return detail::CoreOf(bodies).Nearest({point.data(), 0, 0, 1}, max_distance,
-                                        ids, distances, options);
-}
-template <typename View, typename Box,
-          typename = std::enable_if_t<
-              std::is_same_v<Box, Aabb<View::Bound::kDimensions>>>>
-[[nodiscard]] std::size_t KNearest(
-    const BroadPhase<View>& bodies, const Box& box, Span<std::uint32_t> ids,
-    Span<float> distances,
-    float max_distance = std::numeric_limits<float>::infinity(),
-    const SearchOptions& options = {}) {
-  return detail::CoreOf(bodies).Nearest(
-      detail::NearQueriesOf(Span<const Box>(&box, 1)), max_distance, ids,
-      distances, options);
-}
-
-// As KNearestOfEach() of bvh_nearest.h, from points or from boxes.
-template <typename View>
-void KNearestOfEach(const BroadPhase<View>& bodies,
-                    Span<const Point<View::Bound::kDimensions>> points,
-                    std::size_t k, Span<std::uint32_t> ids,
-                    Span<float> distances,
-                    float max_distance = std::numeric_limits<float>::infinity(),
-                    const SearchOptions& options = {}) {
-  detail::CoreOf(bodies).NearestOfEach(detail::NearQueriesOf(points), k,
-                                       max_distance, ids, distances, options);
-}
-template <typename View>
-void KNearestOfEach(const BroadPhase<View>& bodies,
-                    Span<const Aabb<View::Bound::kDimensions>> boxes,
-                    std::size_t k, Span<std::uint32_t> ids,
-                    Span<float> distances,
-                    float max_distance = std::numeric_limits<float>::infinity(),
-                    const SearchOptions& options = {}) {
-  detail::CoreOf(bodies).NearestOfEach(detail::NearQueriesOf(boxes), k,
-                                       max_distance, ids, distances, options);
-}
-
-// As RayCast(), BoxCast() and SphereCast() of bvh_nearest.h.
-template <typename View, typename Function>
-void RayCast(const BroadPhase<View>& bodies,
-             const Ray<View::Bound::kDimensions>& ray, float radius,
-             Function&& function, const SearchOptions& options = {}) {
-  detail::CastLine(bodies, detail::LineOf(ray, radius), function, options);
-}
-template <typename View, typename Function>
-void RayCast(const BroadPhase<View>& bodies,
-             const Ray<View::Bound::kDimensions>& ray, Function&& function,
-             const SearchOptions& options = {}) {
-  RayCast(bodies, ray, 0.0f, function, options);
-}
-template <typename View, typename Function>
-void BoxCast(const BroadPhase<View>& bodies,
-             const Aabb<View::Bound::kDimensions>& box,
-             const Point<View::Bound::kDimensions>& direction, float max_t,
-             Function&& function, const SearchOptions& options = {}) {
-  detail::CastLine(bodies, detail::LineOf(box, direction, max_t), function,
-                   options);
-}
-template <typename View, typename Function>
-void SphereCast(const BroadPhase<View>& bodies,
-                const Sphere<View::Bound::kDimensions>& sphere,
-                const Point<View::Bound::kDimensions>& direction, float max_t,
-                Function&& function, const SearchOptions& options = {}) {
-  detail::CastLine(bodies, detail::LineOf(sphere, direction, max_t), function,
-                   options);
-}
-
-// As PairsOf() and ForEachPairOf() of bvh_pairs.h.
-template <typename View>
-[[nodiscard]] std::size_t PairsOf(const BroadPhase<View>& bodies,
-                                  Span<const std::uint32_t> ids,
-                                  Span<IdPair> pairs,
-                                  const PairOptions& options = {}) {
-  return detail::CoreOf(bodies).PairsOf(
-      detail::BvhPairKernelsOf<View::Bound::kAxes>::kTargets, ids, pairs,
-      options);
-}
-template <typename View, typename Function>
-void ForEachPairOf(const BroadPhase<View>& bodies,
-                   Span<const std::uint32_t> ids, Function&& function,
-                   const PairOptions& options = {}) {
-  detail::Callback call{function};
-  detail::CoreOf(bodies).ForEachPairOf(
-      detail::BvhPairKernelsOf<View::Bound::kAxes>::kTargets, ids,
-      &decltype(call)::Run, &call, options);
-}
 
 }  // namespace halfspace
 

@@ -16,11 +16,11 @@
 // near each other and form a leaf, 64 consecutive leaves form a node, and so
 // on. A block of 64 objects or nodes holds its planes together. Nodes are
 // floats. In leaves, objects are also quantized to 16 bits per plane, on one
-// map for the whole world, so a query is quantized once. The quantized values
+// map for the whole BVH, so a query is quantized once. The quantized values
 // reject an object, prove that it survives, or leave the decision to the
 // floats.
 //
-// Other queries of the same world: bvh_shapes.h (points, spheres, segments,
+// Other queries of the same BVH: bvh_shapes.h (points, spheres, segments,
 // capsules, oriented boxes, half-spaces), bvh_nearest.h (k nearest, ray casts,
 // box casts), bvh_pairs.h (all overlapping pairs: a broad phase). A program
 // links only the queries it calls. docs/bvh.md has the layout, the proof that
@@ -39,10 +39,10 @@
 //
 // Floating-point mode: as in reject.h, except that queries may raise inexact,
 // overflow and underflow. A program that enables floating-point traps must
-// disable these three during a query. Building and changing a world never trap,
+// disable these three during a query. Building and changing a BVH never trap,
 // in any mode.
 //
-// Thread safety: queries of one world may run at the same time. A query uses up
+// Thread safety: queries of one BVH may run at the same time. A query uses up
 // to 8 KiB of stack, allocates nothing, locks nothing and keeps no state.
 //
 // Source: "The Bounding Simplex: A SIMD-Era Rejection Primitive" (a sort that
@@ -62,7 +62,6 @@
 #include "halfspace/runner.h"
 #include "halfspace/span.h"
 #include "halfspace/target.h"
-#include "halfspace/transform.h"
 #include "halfspace/visit.h"
 #include "halfspace/world.h"
 
@@ -75,7 +74,7 @@ enum class BuildQuality : std::uint8_t {
   kHigh,
   // Sorts along a Hilbert curve. O(n), about a fifth of the time. Queries of
   // objects that are spread evenly take up to 1.4 times as long as with kHigh.
-  // Queries of uneven worlds take 2 to 4 times as long, and up to 390 times if
+  // Queries of uneven scenes take 2 to 4 times as long, and up to 390 times if
   // nearly all objects share a few cells of the curve (docs/bvh.md). The curve
   // has 1024 cells for each of 3 axes. They cover the region of most objects,
   // and objects outside it share the outermost cells.
@@ -85,7 +84,7 @@ enum class BuildQuality : std::uint8_t {
 // Options of a build and of Rebuild().
 struct BuildOptions {
   BuildQuality quality = BuildQuality::kHigh;
-  // The resource of a new world (memory.h). Rebuild() does not read it: a world
+  // The resource of a new BVH (memory.h). Rebuild() does not read it: a BVH
   // keeps its resource.
   MemoryResource memory = {};
   // Calls the parts of the work, for example on several threads (runner.h). By
@@ -103,7 +102,7 @@ struct BuildOptions {
   std::size_t run_bytes = 0;
 };
 
-// What queries read of a world. A query adds to it.
+// What queries read of a BVH. A query adds to it.
 struct QueryStatistics {
   std::size_t node_blocks = 0;  // blocks of 64 nodes
   std::size_t leaves = 0;       // blocks of 64 objects
@@ -162,6 +161,33 @@ Span<const typename Bound::Scalar> ValuesOfAll(Span<const Bound> bounds) {
 
 }  // namespace detail
 
+// The bounds that a build or a change of a Bvh reads, in the caller's memory.
+// It converts from what the caller holds:
+//   - the view of the BVH, or an owning world of it (world.h);
+//   - a list of bounds: an array, a std::vector or a Span;
+//   - for a BVH of boxes also an AabbView<D, double>, an AabbWorld<D, double>,
+//   a
+//     list of Aabb<D, double>, or Boxes of floats or doubles (shapes.h), which
+//     may be strided. Doubles are rounded outward, so no overlap of the exact
+//     doubles is missed. A double that is a float stays equal. A build and a
+//     refit of doubles allocate 4 more bytes per plane and object, and free
+//     them.
+// For other shapes of doubles, use Bvh::Fitted() with a builder of fit_many.h.
+template <typename View>
+class BvhBounds {
+ public:
+  template <typename From, typename = decltype(detail::BoundsIn<View>(
+                               std::declval<const From&>()))>
+  // NOLINTNEXTLINE(google-explicit-constructor): lists convert implicitly.
+  BvhBounds(const From& from) : columns_(detail::BoundsIn<View>(from)) {}
+
+  std::size_t size() const { return columns_.size; }
+
+ private:
+  friend class Bvh<View>;
+  detail::Columns columns_;
+};
+
 // A sorted copy of a world's bounds. The id of an object is its index in that
 // world, what Insert() returned, or the caller's own (InsertAs).
 //
@@ -175,20 +201,20 @@ Span<const typename Bound::Scalar> ValuesOfAll(Span<const Bound> bounds) {
 // Slots: an object has a slot in the order, and an erased object leaves an
 // empty one. There are never more than 2 * size() + 64 slots. Objects move
 // together when half of the slots are empty, or, if the block is full, when a
-// quarter are. Otherwise a full block grows by half. So two worlds with the
+// quarter are. Otherwise a full block grows by half. So two BVHs with the
 // same changes can have different orders, if one has more room. Rebuild() frees
 // the memory that is not needed.
 //
 // Changes are seen by every later call. No change may run at the same time as
-// another call on the same world. Changes run on the chosen target, except
+// another call on the same BVH. Changes run on the chosen target, except
 // Rebuild().
 //
-// Errors (error.h): a plane of a world that is not empty is null or misaligned;
+// Errors (error.h): a plane of a BVH that is not empty is null or misaligned;
 // there are 2^31 objects or more; the quality is none of the enumerators; an id
-// is not that of an object in the world. A failed allocation throws
-// std::bad_alloc. The world is then as it was, and what ids() and Blob()
-// returned stays valid. If `run` throws in a constructor, no world is
-// created. In Rebuild(), the world is unchanged. In Refit(), call Refit() again
+// is not that of an object in the BVH. A failed allocation throws
+// std::bad_alloc. The BVH is then as it was, and what ids() and Blob()
+// returned stays valid. If `run` throws in a constructor, no BVH is
+// created. In Rebuild(), the BVH is unchanged. In Refit(), call Refit() again
 // before the next query.
 template <typename ViewType>
 class Bvh {
@@ -204,20 +230,13 @@ class Bvh {
   explicit Bvh(const MemoryResource& memory)
       : tree_(detail::BvhTypeOf<View>(), memory) {}
 
-  // Sorts the bounds of a view, an owning world or a list. The bounds are
-  // copied.
-  explicit Bvh(const View& world, const BuildOptions& options = {})
+  // Sorts the bounds, and copies them.
+  explicit Bvh(const BvhBounds<View>& bounds, const BuildOptions& options = {})
       : Bvh(options.memory) {
-    tree_.Build(detail::ColumnsOf(world), options);
-  }
-  explicit Bvh(const World<View>& world, const BuildOptions& options = {})
-      : Bvh(world.view(), options) {}
-  explicit Bvh(Span<const Bound> bounds, const BuildOptions& options = {})
-      : Bvh(options.memory) {
-    tree_.Build(detail::ColumnsOf(bounds), options);
+    tree_.Build(bounds.columns_, options);
   }
 
-  // Builds a world of the `count` bounds that fit(planes) writes, as a builder
+  // Builds a BVH of the `count` bounds that fit(planes) writes, as a builder
   // of fit_many.h does:
   //
   //   AabbBvh3::Fitted(spheres.count, [&](const AabbPlanes3& planes) {
@@ -242,13 +261,13 @@ class Bvh {
   std::size_t size() const { return tree_.size(); }
   bool empty() const { return size() == 0; }
 
-  // The size of the world's block of memory.
+  // The size of the BVH's block of memory.
   std::size_t bytes() const { return tree_.bytes(); }
 
   // Whether an object has this id. O(1).
   bool Has(std::uint32_t id) const { return tree_.Has(id); }
 
-  // Returns the bound of an object. O(1). In a world that was built, the call
+  // Returns the bound of an object. O(1). In a BVH that was built, the call
   // searches ids() until the first change by id or Reserve(): O(n).
   Bound Get(std::uint32_t id) const {
     detail::PlaneValues<Bound> values;
@@ -257,7 +276,7 @@ class Bvh {
   }
 
   // Returns the bound of all objects: on each plane the outermost value, which
-  // is infinite if an object has a NaN there. Empty() for an empty world. O(1):
+  // is infinite if an object has a NaN there. Empty() for an empty BVH. O(1):
   // reads one block.
   Bound Bounds() const {
     detail::PlaneValues<Bound> values;
@@ -273,8 +292,8 @@ class Bvh {
 
   // Changes the bound of an object, and tightens its leaf and the nodes above.
   // The order stays, so leaves grow as objects move: see CostRatio(). About 1
-  // us in a world of a million objects (docs/bvh.md). The first change by id of
-  // a world that was built copies it once.
+  // us in a BVH of a million objects (docs/bvh.md). The first change by id of
+  // a BVH that was built copies it once.
   void Set(std::uint32_t id, const Bound& bound) {
     tree_.Set(id, detail::Planes(bound));
   }
@@ -285,17 +304,17 @@ class Bvh {
   // leaf and each node once, so many objects take less time than with one call
   // per object, and a few take as long (docs/bvh.md). Allocates and frees up to
   // a bit per slot. For all objects, use Refit().
-  void Set(Span<const std::uint32_t> ids, Span<const Bound> bounds) {
-    tree_.Set(ids, detail::ColumnsOf(bounds));
+  void Set(Span<const std::uint32_t> ids, const BvhBounds<View>& bounds) {
+    tree_.Set(ids, bounds.columns_);
   }
 
   // Adds an object whose mask is all ones, and returns its id: the least that
   // no object has. The object takes an empty slot in a leaf that it makes grow
   // by a 16th at most, or a new slot at the end.
   //
-  // The world sorts itself as it grows: the newest objects after every 256 at
-  // the end, and all objects when half as many were inserted as the world had
-  // when it was last sorted. A query of a world that was filled by Insert()
+  // The BVH sorts itself as it grows: the newest objects after every 256 at
+  // the end, and all objects when half as many were inserted as the BVH had
+  // when it was last sorted. A query of a BVH that was filled by Insert()
   // takes up to 4.3 times as long as after Rebuild() (docs/bvh.md). An
   // insertion takes 1 to 2 us on average, but a single one can take as long as
   // Rebuild(). If there is no memory to sort with, the objects stay unsorted
@@ -312,8 +331,8 @@ class Bvh {
   // would sort, but all at once. Grows the block at most once, and allocates
   // and frees up to a bit per slot. If there is no memory to sort with, the
   // objects stay unsorted.
-  void Insert(Span<const Bound> bounds, Span<std::uint32_t> ids) {
-    tree_.Insert(detail::ColumnsOf(bounds), ids);
+  void Insert(const BvhBounds<View>& bounds, Span<std::uint32_t> ids) {
+    tree_.Insert(bounds.columns_, ids);
   }
 
   // Adds objects under ids that the caller chooses: ids[i] is that of
@@ -322,11 +341,11 @@ class Bvh {
   // it must be in `ids` once. Otherwise the call throws and changes nothing.
   //
   // Ids may be any numbers, but arrays by id have the size id_limit(), and the
-  // world takes 4.13 bytes for each id below the greatest. This memory grows by
+  // BVH takes 4.13 bytes for each id below the greatest. This memory grows by
   // half at least, so ids may also grow one by one. Ids between those in use
   // are free. Insert() takes the least of them.
-  void InsertAs(Span<const std::uint32_t> ids, Span<const Bound> bounds) {
-    tree_.InsertAs(ids, detail::ColumnsOf(bounds));
+  void InsertAs(Span<const std::uint32_t> ids, const BvhBounds<View>& bounds) {
+    tree_.InsertAs(ids, bounds.columns_);
   }
 
   // Removes an object. Costs what Set() costs, and on average a few ns more:
@@ -354,94 +373,34 @@ class Bvh {
   }
   void SetMasks(Span<const std::uint32_t> masks) { tree_.SetMasks(masks); }
 
-  // The ids in this world's order, one per slot; 0xFFFFFFFF in an empty slot.
-  // Valid until the world changes.
+  // The ids in this BVH's order, one per slot; 0xFFFFFFFF in an empty slot.
+  // Valid until the BVH changes.
   Span<const std::uint32_t> ids() const { return tree_.ids(); }
 
   // One more than the greatest id that was in use since the last Rebuild(), or
-  // since the world was last empty: the size of an array by id. 0 for an empty
-  // world, also if its last object was erased.
+  // since the BVH was last empty: the size of an array by id. 0 for an empty
+  // BVH, also if its last object was erased.
   std::size_t id_limit() const { return tree_.id_limit(); }
 
   // Gives all objects new bounds, by id: bounds[i] is that of object i. Bounds
   // of erased objects are not read. `bounds.size()` must be at least
   // id_limit(). The order stays as it is. `run` is BuildOptions::run.
-  void Refit(const View& bounds, const Runner& run = {}) {
-    tree_.Refit(detail::ColumnsOf(bounds), true, run);
-  }
-  void Refit(const World<View>& bounds, const Runner& run = {}) {
-    Refit(bounds.view(), run);
-  }
-  void Refit(Span<const Bound> bounds, const Runner& run = {}) {
-    tree_.Refit(detail::ColumnsOf(bounds), true, run);
+  void Refit(const BvhBounds<View>& bounds, const Runner& run = {}) {
+    tree_.Refit(bounds.columns_, true, run);
   }
 
   // Sets the bounds of the objects in `ids`: bounds[i] is the bound of object
   // i. Reads no other bounds. An id may be in the list more than once.
   // Otherwise as Set() of several objects, and faster, because the bounds are
-  // read in this world's order. `bounds.size()` must be at least id_limit().
-  void Refit(Span<const std::uint32_t> ids, Span<const Bound> bounds) {
-    tree_.Refit(ids, detail::ColumnsOf(bounds));
+  // read in this BVH's order. `bounds.size()` must be at least id_limit().
+  void Refit(Span<const std::uint32_t> ids, const BvhBounds<View>& bounds) {
+    tree_.Refit(ids, bounds.columns_);
   }
 
-  // The same with bounds in this world's order: bounds[i] is that of object
+  // The same with bounds in this BVH's order: bounds[i] is that of object
   // ids()[i], and `bounds.size()` must be `ids().size()`. 2 to 4 times as fast.
-  void RefitInOrder(const View& bounds, const Runner& run = {}) {
-    tree_.Refit(detail::ColumnsOf(bounds), false, run);
-  }
-  void RefitInOrder(const World<View>& bounds, const Runner& run = {}) {
-    RefitInOrder(bounds.view(), run);
-  }
-  void RefitInOrder(Span<const Bound> bounds, const Runner& run = {}) {
-    tree_.Refit(detail::ColumnsOf(bounds), false, run);
-  }
-
-  // The same calls of a Bvh of boxes for boxes of doubles, which are rounded
-  // outward (RoundOutward of transform.h), so no overlap of the exact doubles
-  // is missed. A double that is a float stays equal.
-  //
-  // `Objects` is an AabbView<D, double>, an AabbWorld<D, double>, a list of
-  // Aabb<D, double>, or Boxes of floats or of doubles (shapes.h). For other
-  // Bvhs, and for other shapes of doubles, use Fitted() with a builder of
-  // fit_many.h.
-  //
-  // A build and a refit of doubles allocate 4 more bytes per plane and object,
-  // and free them.
-  template <typename Objects, typename = detail::IfOther<View, Objects>>
-  explicit Bvh(const Objects& objects, const BuildOptions& options = {})
-      : Bvh(options.memory) {
-    tree_.Build(detail::OtherColumns<View>(objects), options);
-  }
-  template <typename Objects, typename = detail::IfOther<View, Objects>>
-  void Refit(const Objects& bounds, const Runner& run = {}) {
-    tree_.Refit(detail::OtherColumns<View>(bounds), true, run);
-  }
-  template <typename Objects, typename = detail::IfOther<View, Objects>>
-  void RefitInOrder(const Objects& bounds, const Runner& run = {}) {
-    tree_.Refit(detail::OtherColumns<View>(bounds), false, run);
-  }
-  template <typename Box, typename = detail::IfDoubleBound<View, Box>>
-  void Set(std::uint32_t id, const Box& bound) {
-    Set(id, RoundOutward(bound));
-  }
-  template <typename List,
-            typename = detail::IfListOf<const detail::DoubleBound<View>, List>>
-  void Set(Span<const std::uint32_t> ids, const List& bounds) {
-    tree_.Set(ids, detail::ColumnsOf(Doubles(bounds)));
-  }
-  template <typename Box, typename = detail::IfDoubleBound<View, Box>>
-  std::uint32_t Insert(const Box& bound) {
-    return Insert(RoundOutward(bound));
-  }
-  template <typename List,
-            typename = detail::IfListOf<const detail::DoubleBound<View>, List>>
-  void Insert(const List& bounds, Span<std::uint32_t> ids) {
-    tree_.Insert(detail::ColumnsOf(Doubles(bounds)), ids);
-  }
-  template <typename List,
-            typename = detail::IfListOf<const detail::DoubleBound<View>, List>>
-  void InsertAs(Span<const std::uint32_t> ids, const List& bounds) {
-    tree_.InsertAs(ids, detail::ColumnsOf(Doubles(bounds)));
+  void RefitInOrder(const BvhBounds<View>& bounds, const Runner& run = {}) {
+    tree_.Refit(bounds.columns_, false, run);
   }
 
   // How much the order has decayed: the surface of all leaves (64 slots each),
@@ -449,7 +408,7 @@ class Bvh {
   // 1 is as sorted. With 2, queries visit up to twice as many leaves. If half
   // of the objects are erased, CostRatio() is about 2. It is 1 for up to 64
   // slots. For more it is infinite until more than 64 objects are sorted: in a
-  // world of fewer than 256 objects that were inserted. O(n / 64).
+  // BVH of fewer than 256 objects that were inserted. O(n / 64).
   double CostRatio() const { return tree_.CostRatio(); }
 
   // Sorts all objects, without empty slots between them, and gives memory
@@ -468,14 +427,14 @@ class Bvh {
     return tree_.RebuildPartial(objects);
   }
 
-  // The world as bytes, to store or to map: its block of memory itself. Valid
-  // until the world changes. A world that never had an object has no bytes. The
+  // The BVH as bytes, to store or to map: its block of memory itself. Valid
+  // until the BVH changes. A BVH that never had an object has no bytes. The
   // first call after a change computes a checksum, O(n); the others are O(1).
   Span<const std::byte> Blob() const { return tree_.Blob(); }
 
-  // A world of what Blob() returned. FromBlob() copies the bytes. InPlace()
+  // A BVH of what Blob() returned. FromBlob() copies the bytes. InPlace()
   // refers to them: they must be aligned to 64 bytes, as a mapped file is, and
-  // stay unchanged while the world lives. A change of the world copies them
+  // stay unchanged while the BVH lives. A change of the BVH copies them
   // first.
   //
   // The format has its own version, which changes less often than the
@@ -486,30 +445,29 @@ class Bvh {
   // each tree level, and throw (error.h) if the blob is one of another type or
   // byte order, has a format that is not read, or was cut. An altered body can
   // change results, but no query and no change reads or writes outside the blob
-  // and the world. The first change checks in O(n) that ids and slots belong
+  // and the BVH. The first change checks in O(n) that ids and slots belong
   // together, and throws if they do not. Verify() finds every other alteration.
   static Bvh FromBlob(Span<const std::byte> blob,
                       const MemoryResource& memory = {}) {
-    Bvh world(memory);
-    world.tree_.Load(blob, false);
-    return world;
+    Bvh bvh(memory);
+    bvh.tree_.Load(blob, false);
+    return bvh;
   }
   static Bvh InPlace(Span<const std::byte> blob,
                      const MemoryResource& memory = {}) {
-    Bvh world(memory);
-    world.tree_.Load(blob, true);
-    return world;
+    Bvh bvh(memory);
+    bvh.tree_.Load(blob, true);
+    return bvh;
   }
 
   // Returns whether the bytes of a blob are those that Blob() returned, by
   // their checksum. The checksum detects accidental damage. It does not protect
-  // against an attacker. True for a world that was not loaded from a blob, and
+  // against an attacker. True for a BVH that was not loaded from a blob, and
   // for one that changed since. O(n).
   [[nodiscard]] bool Verify() const { return tree_.Verify(); }
 
  private:
-  using Doubles = Span<const detail::DoubleBound<View>>;
-  friend const detail::BvhTree& detail::TreeOf<View>(const Bvh& world);
+  friend const detail::BvhTree& detail::CoreOf<View>(const Bvh& bvh);
 
   detail::BvhTree tree_;
 };
@@ -521,56 +479,58 @@ using AabbBvh3 = Bvh<AabbView3>;
 using AaboBvh2 = Bvh<AaboView2>;
 using AaboBvh3 = Bvh<AaboView3>;
 
+// The calls below, and those of bvh_nearest.h, search `tree`: a Bvh, or a
+// BroadPhase (broad_phase.h) of the same View.
+
 // Writes the ids of all survivors to `ids`, in no particular order, and returns
 // their number. If `ids` is shorter than that, the call fills it and still
 // returns the full number. Elements of `ids` behind the last id may be
 // overwritten. The first `skip` ids are not written, so that a call whose `ids`
 // were too short can be continued. The order of the ids is the same in each
-// call with the same arguments and target, until the world changes.
-template <typename View, typename Query = typename View::Query,
+// call with the same arguments and target, until the BVH changes.
+template <typename Tree, typename View = detail::SearchedView<Tree>,
+          typename Query = typename View::Query,
           typename Asked = detail::BvhAsked<View, Query>>
-[[nodiscard]] std::size_t Survivors(const Bvh<View>& world, const Query& query,
+[[nodiscard]] std::size_t Survivors(const Tree& tree, const Query& query,
                                     Span<std::uint32_t> ids,
                                     const QueryOptions& options = {},
                                     std::size_t skip = 0) {
-  return detail::BvhSurvivors(detail::TreeOf(world), Asked::Of(query), ids,
-                              options, skip);
+  return detail::CoreOf(tree).Survivors(Asked::Of(query), ids, options, skip);
 }
 
 // Returns the number of survivors. A node inside a box or an octahedron is
 // counted without a visit, so the cost of a large query grows with its surface
 // and not with its volume. A query with a mask visits it, if masks were set.
-template <typename View, typename Query = typename View::Query,
+template <typename Tree, typename View = detail::SearchedView<Tree>,
+          typename Query = typename View::Query,
           typename Asked = detail::BvhAsked<View, Query>>
-[[nodiscard]] std::size_t CountSurvivors(const Bvh<View>& world,
-                                         const Query& query,
+[[nodiscard]] std::size_t CountSurvivors(const Tree& tree, const Query& query,
                                          const QueryOptions& options = {}) {
-  return detail::BvhCount(detail::TreeOf(world), Asked::Of(query), options);
+  return detail::CoreOf(tree).Count(Asked::Of(query), options);
 }
 
 // Writes the number of survivors of each query. Queries walk the tree 64 at a
 // time, as in SurvivorsOfEach(). `counts.size()` must be at least
 // `queries.size()`.
 template <typename View>
-void CountSurvivorsOfEach(const Bvh<View>& world,
+void CountSurvivorsOfEach(const Bvh<View>& bvh,
                           Span<const typename View::Query> queries,
                           Span<std::size_t> counts,
                           const QueryOptions& options = {}) {
-  detail::BvhCountOfEach(
-      detail::TreeOf(world),
+  detail::CoreOf(bvh).CountOfEach(
       detail::BvhAsked<View, typename View::Query>::OfEach(queries), counts,
       options);
 }
 
 // Returns the id of a survivor, or nothing if there is none. Reads no leaf
 // after the first that has one.
-template <typename View, typename Query = typename View::Query,
+template <typename Tree, typename View = detail::SearchedView<Tree>,
+          typename Query = typename View::Query,
           typename Asked = detail::BvhAsked<View, Query>>
 [[nodiscard]] std::optional<std::uint32_t> AnySurvivor(
-    const Bvh<View>& world, const Query& query,
-    const QueryOptions& options = {}) {
+    const Tree& tree, const Query& query, const QueryOptions& options = {}) {
   std::uint32_t id = 0;
-  if (!detail::BvhAny(detail::TreeOf(world), Asked::Of(query), id, options)) {
+  if (!detail::CoreOf(tree).Any(Asked::Of(query), id, options)) {
     return std::nullopt;
   }
   return id;
@@ -579,21 +539,22 @@ template <typename View, typename Query = typename View::Query,
 // Calls function(Span<const std::uint32_t> ids) with 1 to 512 survivors at a
 // time: first with those of the first leaf that has any, as soon as it was
 // read. The function returns void or Visit (visit.h). Exceptions of the
-// function pass through. The function must not change the world.
-template <typename View, typename Function,
+// function pass through. The function must not change the BVH.
+template <typename Tree, typename Function,
+          typename View = detail::SearchedView<Tree>,
           typename Query = typename View::Query,
           typename Asked = detail::BvhAsked<View, Query>>
-void ForEachSurvivor(const Bvh<View>& world, const Query& query,
-                     Function&& function, const QueryOptions& options = {}) {
+void ForEachSurvivor(const Tree& tree, const Query& query, Function&& function,
+                     const QueryOptions& options = {}) {
   detail::Callback call{function};
-  detail::BvhForEach(detail::TreeOf(world), Asked::Of(query),
-                     &decltype(call)::Run, &call, options);
+  detail::CoreOf(tree).ForEach(Asked::Of(query), &decltype(call)::Run, &call,
+                               options);
 }
 
 // Survivors() of several queries. The queries walk the tree together, 64 at a
 // time, which hides the latency of memory and the cost of a call. In uniform
-// worlds it takes 0.6 to 1 times as long as one call per query, in clusters,
-// meshes and worlds with outliers up to 1.25 times (docs/bvh.md). If the tree
+// scenes it takes 0.6 to 1 times as long as one call per query, in clusters,
+// meshes and scenes with outliers up to 1.25 times (docs/bvh.md). If the tree
 // is larger than the cache, sort the queries along a curve: those that are near
 // each other then find in the cache what the ones before them read. In trees of
 // 10^6 and 4 * 10^6 boxes, queries in such an order take about half of the
@@ -605,19 +566,19 @@ void ForEachSurvivor(const Bvh<View>& world, const Query& query,
 // and `offsets` are written as if it were long enough. Elements of `ids` behind
 // the last id may be overwritten. `skip` is that of Survivors(), for the ids of
 // all queries. `offsets` do not depend on it.
-template <typename View, typename Queries = Span<const typename View::Query>,
+template <typename Tree, typename View = detail::SearchedView<Tree>,
+          typename Queries = Span<const typename View::Query>,
           typename Query = std::decay_t<
               decltype(*std::data(std::declval<const Queries&>()))>,
           typename Asked = detail::BvhAsked<View, Query>>
-[[nodiscard]] std::size_t SurvivorsOfEach(const Bvh<View>& world,
+[[nodiscard]] std::size_t SurvivorsOfEach(const Tree& tree,
                                           const Queries& queries,
                                           Span<std::uint32_t> ids,
                                           Span<std::size_t> offsets,
                                           const QueryOptions& options = {},
                                           std::size_t skip = 0) {
-  return detail::BvhSurvivorsOfEach(detail::TreeOf(world),
-                                    Asked::OfEach(queries), ids, offsets,
-                                    options, skip);
+  return detail::CoreOf(tree).SurvivorsOfEach(Asked::OfEach(queries), ids,
+                                              offsets, options, skip);
 }
 
 }  // namespace halfspace

@@ -21,7 +21,7 @@
 // const Bound&) to get the bound of the object too. It is called for one object
 // after another with the distance or t, and returns nothing, a Visit, or a
 // Limit of the distance or t (visit.h). A negative limit ends the search, and a
-// NaN changes nothing. The callback must not change the world. Its exceptions
+// NaN changes nothing. The callback must not change the BVH. Its exceptions
 // pass through. It runs in the caller's floating-point mode.
 //
 // Results are the same on every target and in every floating-point mode. No
@@ -130,11 +130,11 @@ LineCast LineOf(const Sphere<kDims>& sphere, const Point<kDims>& direction,
           true};
 }
 
-template <typename View, typename Function>
-void CastLine(const Bvh<View>& world, const LineCast& cast, Function& function,
+template <typename View, typename Core, typename Function>
+void CastLine(const Core& core, const LineCast& cast, Function& function,
               const SearchOptions& options) {
   Callback call{WithPlanes<typename View::Bound>(function)};
-  BvhCast(detail::TreeOf(world), cast, &decltype(call)::Run, &call, options);
+  core.Cast(cast, &decltype(call)::Run, &call, options);
 }
 
 }  // namespace detail
@@ -148,7 +148,7 @@ inline constexpr std::uint32_t kNoId = detail::kNoId;
 // overwritten.
 //
 // Order: by the squared distance as computed in float. Equal ones come in the
-// world's order (Bvh::ids()).
+// BVH's order (Bvh::ids()).
 //
 // Rounding: a distance is within 2^-20 (relative) or 2^-73 of the exact one,
 // whichever is more. An object exactly at the limit is found. Objects up to
@@ -165,30 +165,31 @@ inline constexpr std::uint32_t kNoId = detail::kNoId;
 // distances and sort the least ones (docs/bvh.md). One search finds up to
 // 2048 objects. A call for more takes about log2(k / 2048) further searches,
 // which use `ids` as scratch memory.
-template <typename View>
+template <typename Tree, typename View = detail::SearchedView<Tree>>
 [[nodiscard]] std::size_t KNearest(
-    const Bvh<View>& world, const Point<View::Bound::kDimensions>& point,
+    const Tree& tree, const Point<View::Bound::kDimensions>& point,
     Span<std::uint32_t> ids, Span<float> distances,
     float max_distance = std::numeric_limits<float>::infinity(),
     const SearchOptions& options = {}) {
-  return detail::BvhNearest(detail::TreeOf(world), {point.data(), 0, 0, 1},
-                            max_distance, ids, distances, options);
+  return detail::CoreOf(tree).Nearest({point.data(), 0, 0, 1}, max_distance,
+                                      ids, distances, options);
 }
 
 // The same for an Aabb. The distance between two boxes that overlap is 0. An
 // Empty() box finds nothing. `box.min` must not be greater than `box.max` on
 // any other box: the distances would have no meaning.
-template <typename View, typename Box,
-          typename = std::enable_if_t<
-              std::is_same_v<Box, Aabb<View::Bound::kDimensions>>>>
+template <
+    typename Tree, typename Box, typename View = detail::SearchedView<Tree>,
+    typename =
+        std::enable_if_t<std::is_same_v<Box, Aabb<View::Bound::kDimensions>>>>
 [[nodiscard]] std::size_t KNearest(
-    const Bvh<View>& world, const Box& box, Span<std::uint32_t> ids,
+    const Tree& tree, const Box& box, Span<std::uint32_t> ids,
     Span<float> distances,
     float max_distance = std::numeric_limits<float>::infinity(),
     const SearchOptions& options = {}) {
-  return detail::BvhNearest(detail::TreeOf(world),
-                            detail::NearQueriesOf(Span<const Box>(&box, 1)),
-                            max_distance, ids, distances, options);
+  return detail::CoreOf(tree).Nearest(
+      detail::NearQueriesOf(Span<const Box>(&box, 1)), max_distance, ids,
+      distances, options);
 }
 
 // KNearest() of many points: row i of `ids` and `distances` is elements
@@ -197,25 +198,25 @@ template <typename View, typename Box,
 //   ids        `ids.size()` must be `points.size() * k`
 //   distances  may be empty
 // `ids` and `distances` must not overlap the points.
-template <typename View>
-void KNearestOfEach(const Bvh<View>& world,
+template <typename Tree, typename View = detail::SearchedView<Tree>>
+void KNearestOfEach(const Tree& tree,
                     Span<const Point<View::Bound::kDimensions>> points,
                     std::size_t k, Span<std::uint32_t> ids,
                     Span<float> distances,
                     float max_distance = std::numeric_limits<float>::infinity(),
                     const SearchOptions& options = {}) {
-  detail::BvhNearestOfEach(detail::TreeOf(world), detail::NearQueriesOf(points),
-                           k, max_distance, ids, distances, options);
+  detail::CoreOf(tree).NearestOfEach(detail::NearQueriesOf(points), k,
+                                     max_distance, ids, distances, options);
 }
-template <typename View>
-void KNearestOfEach(const Bvh<View>& world,
+template <typename Tree, typename View = detail::SearchedView<Tree>>
+void KNearestOfEach(const Tree& tree,
                     Span<const Aabb<View::Bound::kDimensions>> boxes,
                     std::size_t k, Span<std::uint32_t> ids,
                     Span<float> distances,
                     float max_distance = std::numeric_limits<float>::infinity(),
                     const SearchOptions& options = {}) {
-  detail::BvhNearestOfEach(detail::TreeOf(world), detail::NearQueriesOf(boxes),
-                           k, max_distance, ids, distances, options);
+  detail::CoreOf(tree).NearestOfEach(detail::NearQueriesOf(boxes), k,
+                                     max_distance, ids, distances, options);
 }
 
 // Calls the function for the objects within `max_distance`, nearest first.
@@ -227,13 +228,13 @@ void KNearestOfEach(const Bvh<View>& world,
 // takes about 1.3 times as long as KNearest(), for 100 000 1.5 to 2
 // times, and for all 5 to 8 times.
 template <typename View, typename Function>
-void ForEachNearest(const Bvh<View>& world,
+void ForEachNearest(const Bvh<View>& bvh,
                     const Point<View::Bound::kDimensions>& point,
                     float max_distance, Function&& function,
                     const SearchOptions& options = {}) {
   detail::Callback call{detail::WithPlanes<typename View::Bound>(function)};
-  detail::BvhForEachNearest(detail::TreeOf(world), {point.data(), 0, 0, 1},
-                            max_distance, &decltype(call)::Run, &call, options);
+  detail::CoreOf(bvh).ForEachNearest({point.data(), 0, 0, 1}, max_distance,
+                                     &decltype(call)::Run, &call, options);
 }
 
 // Ray cast: calls the function for the objects that the ray enters. t is from 0
@@ -257,28 +258,33 @@ void ForEachNearest(const Bvh<View>& world,
 //
 // Cost: one pass, which visits only nodes that the ray enters up to the current
 // limit.
-template <typename View, typename Function>
-void RayCast(const Bvh<View>& world, const Ray<View::Bound::kDimensions>& ray,
+template <typename Tree, typename Function,
+          typename View = detail::SearchedView<Tree>>
+void RayCast(const Tree& tree, const Ray<View::Bound::kDimensions>& ray,
              float radius, Function&& function,
              const SearchOptions& options = {}) {
-  detail::CastLine(world, detail::LineOf(ray, radius), function, options);
+  detail::CastLine<View>(detail::CoreOf(tree), detail::LineOf(ray, radius),
+                         function, options);
 }
-template <typename View, typename Function>
-void RayCast(const Bvh<View>& world, const Ray<View::Bound::kDimensions>& ray,
+template <typename Tree, typename Function,
+          typename View = detail::SearchedView<Tree>>
+void RayCast(const Tree& tree, const Ray<View::Bound::kDimensions>& ray,
              Function&& function, const SearchOptions& options = {}) {
-  RayCast(world, ray, 0.0f, function, options);
+  RayCast(tree, ray, 0.0f, function, options);
 }
 
 // Box cast, or sweep: calls the function for the objects that the box touches
 // on its way from `box` to `box` + max_t * `direction`. t is where it first
 // touches the bound on all axes, D included. Everything else is as in
 // RayCast(). An Empty() box, or one with min > max on an axis, finds nothing.
-template <typename View, typename Function>
-void BoxCast(const Bvh<View>& world, const Aabb<View::Bound::kDimensions>& box,
+template <typename Tree, typename Function,
+          typename View = detail::SearchedView<Tree>>
+void BoxCast(const Tree& tree, const Aabb<View::Bound::kDimensions>& box,
              const Point<View::Bound::kDimensions>& direction, float max_t,
              Function&& function, const SearchOptions& options = {}) {
-  detail::CastLine(world, detail::LineOf(box, direction, max_t), function,
-                   options);
+  detail::CastLine<View>(detail::CoreOf(tree),
+                         detail::LineOf(box, direction, max_t), function,
+                         options);
 }
 
 // Sphere cast: the same for the objects that `sphere` touches on its way to its
@@ -294,13 +300,15 @@ void BoxCast(const Bvh<View>& world, const Aabb<View::Bound::kDimensions>& box,
 //
 // An axis with a NaN or an infinity limits nothing. An inverted bound
 // (min > max) is hit as by RayCast() with the radius.
-template <typename View, typename Function>
-void SphereCast(const Bvh<View>& world,
+template <typename Tree, typename Function,
+          typename View = detail::SearchedView<Tree>>
+void SphereCast(const Tree& tree,
                 const Sphere<View::Bound::kDimensions>& sphere,
                 const Point<View::Bound::kDimensions>& direction, float max_t,
                 Function&& function, const SearchOptions& options = {}) {
-  detail::CastLine(world, detail::LineOf(sphere, direction, max_t), function,
-                   options);
+  detail::CastLine<View>(detail::CoreOf(tree),
+                         detail::LineOf(sphere, direction, max_t), function,
+                         options);
 }
 
 }  // namespace halfspace

@@ -8,7 +8,7 @@
 // that touch overlap, and a NaN separates nothing. An Empty() bound overlaps
 // only bounds with NaNs or infinities. Erased objects are in no pair.
 //
-// Worlds are of boxes or octahedra, in 2 or 3 dimensions. There are no pairs of
+// BVHs are of boxes or octahedra, in 2 or 3 dimensions. There are no pairs of
 // simplices: two simplices of one kind have no planes that face each other.
 //
 // Pairs() writes to a span and returns the number of pairs. If the span is
@@ -16,17 +16,17 @@
 // span counts. Elements behind the last pair may be overwritten. ForEachPair()
 // calls function(Span<const IdPair>) with 1 to 256 pairs at a time. The
 // function returns nothing, or Visit (visit.h): kStop ends the call. Exceptions
-// of the function pass through. Equal calls on an unchanged world find the
+// of the function pass through. Equal calls on an unchanged BVH find the
 // pairs in the same order.
 //
 // Errors (error.h), in every call: an output with room or a list of ids is null
-// or misaligned; an id is not that of an object in the world; the margin is
+// or misaligned; an id is not that of an object in the BVH; the margin is
 // negative or not finite; `wanted` is not empty and has another size than
 // `ids`, or the call has no set; the target is not supported.
 //
 // Floating-point mode: as in bvh.h.
 //
-// Thread safety: calls on the same worlds may run at the same time, and can
+// Thread safety: calls on the same BVHs may run at the same time, and can
 // share one join (PairOptions::begin). A call uses up to 16 KiB of stack and
 // locks nothing. Only PairsOf() and ForEachPairOf() can allocate.
 //
@@ -50,7 +50,7 @@
 
 namespace halfspace {
 
-// The ids of two objects. With two worlds, `a` is from the first.
+// The ids of two objects. With two BVHs, `a` is from the first.
 struct IdPair {
   std::uint32_t a;
   std::uint32_t b;
@@ -98,13 +98,18 @@ struct PairOptions {
 namespace detail {
 
 template <typename View>
-PairSources PairsIn(const Bvh<View>& a, const Bvh<View>* b = nullptr,
-                    const Span<const std::uint32_t>* ids = nullptr) {
+const BvhPairKernels* PairKernels() {
   static_assert(HasMax<typename View::Bound>,
                 "pairs are of bounds with minima and maxima: two simplices of "
                 "one kind have no planes that face each other");
-  return {BvhPairKernelsOf<View::Bound::kAxes>::kTargets, &TreeOf(a),
-          b == nullptr ? nullptr : &TreeOf(*b), ids};
+  return BvhPairKernelsOf<View::Bound::kAxes>::kTargets;
+}
+
+template <typename View>
+PairSources PairsIn(const Bvh<View>& a, const Bvh<View>* b = nullptr,
+                    const Span<const std::uint32_t>* ids = nullptr) {
+  return {PairKernels<View>(), &CoreOf(a), b == nullptr ? nullptr : &CoreOf(*b),
+          ids};
 }
 
 template <typename Function>
@@ -116,27 +121,27 @@ void CallForPairs(const PairSources& sources, Function& function,
 
 }  // namespace detail
 
-// The number of parts of Pairs(world) and of Pairs(world, other). Changes of
-// the world change it.
+// The number of parts of Pairs(bvh) and of Pairs(bvh, other). Changes of
+// the BVH change it.
 template <typename View>
-std::size_t PairParts(const Bvh<View>& world) {
-  return (world.ids().size() + 63) / 64;
+std::size_t PairParts(const Bvh<View>& bvh) {
+  return (bvh.ids().size() + 63) / 64;
 }
 
-// The pairs of objects of one world. Each pair is found once. The order is that
+// The pairs of objects of one BVH. Each pair is found once. The order is that
 // of the tree: `a` has an earlier slot than `b` in ids(), and the pairs are
 // sorted by the leaf of `a`, then by the leaf of `b`. A leaf is 64 slots.
 // Inside of two leaves the order is unspecified. So the pairs of two searches
 // with a small change between them are nearly the same list (pair_events.h).
 template <typename View>
-[[nodiscard]] std::size_t Pairs(const Bvh<View>& world, Span<IdPair> pairs,
+[[nodiscard]] std::size_t Pairs(const Bvh<View>& bvh, Span<IdPair> pairs,
                                 const PairOptions& options = {}) {
-  return detail::BvhPairs(detail::PairsIn(world), pairs, options);
+  return detail::BvhPairs(detail::PairsIn(bvh), pairs, options);
 }
 template <typename View, typename Function>
-void ForEachPair(const Bvh<View>& world, Function&& function,
+void ForEachPair(const Bvh<View>& bvh, Function&& function,
                  const PairOptions& options = {}) {
-  detail::CallForPairs(detail::PairsIn(world), function, options);
+  detail::CallForPairs(detail::PairsIn(bvh), function, options);
 }
 
 // The pairs of an object of `a` and an object of `b`.
@@ -160,49 +165,51 @@ void ForEachPair(const Bvh<View>& a, const Bvh<View>& b, Function&& function,
 // id, and swaps the two if `b` has an earlier one
 // (examples/engines/active_pairs.h). An id may be in the list more than once.
 //
-// The cost grows with the set and not with the world: up to 1.5 times that of a
+// The cost grows with the set and not with the BVH: up to 1.5 times that of a
 // Survivors() call for each object of a small set, and less for a large one.
-// The exception is a world that has never changed by id, in which each call
+// The exception is a BVH that has never changed by id, in which each call
 // searches ids() for the objects, O(n). Reserve(size()) prevents that.
 //
-// PairsOf() and ForEachPairOf() allocate nothing for up to 63 ids in a world
-// that has changed by id. Otherwise they can allocate from the world's
+// PairsOf() and ForEachPairOf() allocate nothing for up to 63 ids in a BVH
+// that has changed by id. Otherwise they can allocate from the BVH's
 // MemoryResource (Bvh::memory()), in the calling thread, and free it before
 // they return: up to 128 bytes for each id, but not more than a quarter of a
 // byte for each object, and 4 bytes for each id with `wanted`. The search needs
 // one bit more for each object. With `wanted` the set takes twice the memory.
-// The world is const, but its resource is used: calls that run at the same
+// The BVH is const, but its resource is used: calls that run at the same
 // time, such as those on different parts, need a resource that is thread-safe.
 // The default resource is. A failed allocation throws std::bad_alloc before a
 // pair is written and before the function is called.
-template <typename View>
-[[nodiscard]] std::size_t PairsOf(const Bvh<View>& world,
+template <typename Tree, typename View = detail::SearchedView<Tree>>
+[[nodiscard]] std::size_t PairsOf(const Tree& tree,
                                   Span<const std::uint32_t> ids,
                                   Span<IdPair> pairs,
                                   const PairOptions& options = {}) {
-  return detail::BvhPairs(detail::PairsIn<View>(world, nullptr, &ids), pairs,
-                          options);
+  return detail::CoreOf(tree).PairsOf(detail::PairKernels<View>(), ids, pairs,
+                                      options);
 }
-template <typename View, typename Function>
-void ForEachPairOf(const Bvh<View>& world, Span<const std::uint32_t> ids,
+template <typename Tree, typename Function,
+          typename View = detail::SearchedView<Tree>>
+void ForEachPairOf(const Tree& tree, Span<const std::uint32_t> ids,
                    Function&& function, const PairOptions& options = {}) {
-  detail::CallForPairs(detail::PairsIn<View>(world, nullptr, &ids), function,
-                       options);
+  detail::Callback call{function};
+  detail::CoreOf(tree).ForEachPairOf(detail::PairKernels<View>(), ids,
+                                     &decltype(call)::Run, &call, options);
 }
 
-// The pairs of an object of a set of `world` and an object of `other`.
+// The pairs of an object of a set of `bvh` and an object of `other`.
 template <typename View>
-[[nodiscard]] std::size_t PairsOf(const Bvh<View>& world,
+[[nodiscard]] std::size_t PairsOf(const Bvh<View>& bvh,
                                   Span<const std::uint32_t> ids,
                                   const Bvh<View>& other, Span<IdPair> pairs,
                                   const PairOptions& options = {}) {
-  return detail::BvhPairs(detail::PairsIn(world, &other, &ids), pairs, options);
+  return detail::BvhPairs(detail::PairsIn(bvh, &other, &ids), pairs, options);
 }
 template <typename View, typename Function>
-void ForEachPairOf(const Bvh<View>& world, Span<const std::uint32_t> ids,
+void ForEachPairOf(const Bvh<View>& bvh, Span<const std::uint32_t> ids,
                    const Bvh<View>& other, Function&& function,
                    const PairOptions& options = {}) {
-  detail::CallForPairs(detail::PairsIn(world, &other, &ids), function, options);
+  detail::CallForPairs(detail::PairsIn(bvh, &other, &ids), function, options);
 }
 
 }  // namespace halfspace

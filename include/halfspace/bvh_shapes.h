@@ -12,7 +12,7 @@
 // This header adds types of queries to the calls of bvh.h, except
 // CountSurvivorsOfEach(). A query shape is a Point<d>, Sphere<d>, Segment<d>,
 // Capsule<d>, RoundedBox<d> or OrientedBox<d> of floats (shapes.h) in the
-// world's d dimensions, or a list of up to 64 HalfSpace<d>: the region in front
+// BVH's d dimensions, or a list of up to 64 HalfSpace<d>: the region in front
 // of all of them. Everything else is as in bvh.h.
 //
 // An object survives unless a test of its bound proves that the shape cannot

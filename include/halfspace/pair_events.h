@@ -15,7 +15,7 @@
 //   events.Update(bvh, moved_ids);
 //
 // PairEvents keeps the pairs of the last Update(), in 8 to 12 bytes each. An
-// Update() finds the pairs of the world now (bvh_pairs.h, which says when two
+// Update() finds the pairs of the BVH now (bvh_pairs.h, which says when two
 // bounds overlap) and compares the two lists. No bound is kept, so the margin
 // of a fat AABB is not needed.
 //
@@ -27,8 +27,8 @@
 // without an object. A failed allocation throws std::bad_alloc. After any
 // exception the pairs and events are as before the call.
 //
-// Thread safety: const calls may run at the same time. Update() uses the world
-// as a query does, so the world must not change at the same time.
+// Thread safety: const calls may run at the same time. Update() uses the BVH
+// as a query does, so the BVH must not change at the same time.
 //
 // Floating-point mode: as that of a change in bvh.h. Update() never traps, and
 // the mode has no effect.
@@ -62,12 +62,12 @@ struct PairEventOptions {
   float margin = 0;
   // Runs parts of a search of many objects, for example on several threads
   // (runner.h). The pairs and events do not depend on it. The memory resources
-  // of the PairEvents and of the world are used by one thread at a time.
+  // of the PairEvents and of the BVH are used by one thread at a time.
   Runner run = {};
   Target target = {};  // by default, the chosen one (targets.h)
 };
 
-// The pairs of a world at the last Update(), and the difference to the pairs of
+// The pairs of a BVH at the last Update(), and the difference to the pairs of
 // the Update() before. The top of pair_events.h has examples. Copies, moves and
 // swap(a, b) use memory as the other owners do (memory.h).
 class PairEvents {
@@ -84,22 +84,22 @@ class PairEvents {
   // The size of all memory. During Update() it is about twice as much.
   std::size_t bytes() const { return core_.bytes(); }
 
-  // Finds all pairs of the world. Worlds are of boxes or octahedra.
+  // Finds all pairs of the BVH. BVHs are of boxes or octahedra.
   template <typename View>
-  void Update(const Bvh<View>& world, const PairEventOptions& options = {}) {
-    core_.Update(detail::PairsIn(world), options);
+  void Update(const Bvh<View>& bvh, const PairEventOptions& options = {}) {
+    core_.Update(detail::PairsIn(bvh), options);
   }
 
   // Finds the pairs of the objects in `changed`, and keeps the pairs of the
   // others. `changed` must have the ids of all objects that were inserted,
   // changed or erased since the last Update(), once or more often. The pairs of
-  // an erased object end. If `changed` has a quarter as many ids as the world
+  // an erased object end. If `changed` has a quarter as many ids as the BVH
   // has objects, the call finds all pairs, which takes less time. Otherwise
   // a new mask or margin counts for the pairs of `changed` alone.
   template <typename View>
-  void Update(const Bvh<View>& world, Span<const std::uint32_t> changed,
+  void Update(const Bvh<View>& bvh, Span<const std::uint32_t> changed,
               const PairEventOptions& options = {}) {
-    core_.Update(detail::PairsIn<View>(world, nullptr, &changed), options);
+    core_.Update(detail::PairsIn<View>(bvh, nullptr, &changed), options);
   }
 
   // The pairs of the last Update(), with a < b, each once, in any order. Valid
@@ -110,7 +110,7 @@ class PairEvents {
 
   // The pairs that are in pairs() and were not before the last Update(), and
   // the pairs that were and are not. a < b. Sorted by a, then by b, so two
-  // programs with the same worlds get equal lists, whatever they called before.
+  // programs with the same BVHs get equal lists, whatever they called before.
   Span<const IdPair> began() const { return core_.began(); }
   Span<const IdPair> ended() const { return core_.ended(); }
 
@@ -118,9 +118,9 @@ class PairEvents {
   void Clear() { core_.Clear(); }
 
   // Sets the pairs, in any order, and removes all events: the next Update()
-  // returns the differences to these. Store pairs() with a world (Bvh::Blob),
+  // returns the differences to these. Store pairs() with a BVH (Bvh::Blob),
   // and load both, to go on as the stored ones would. A pair of ids that the
-  // world does not have ends at one of the next calls of Update(). Throws
+  // BVH does not have ends at one of the next calls of Update(). Throws
   // (error.h) if a pair does not have a < b and b < 4294967295, or is in the
   // list twice.
   void Load(Span<const IdPair> pairs) { core_.Load(pairs); }

@@ -275,7 +275,7 @@ static void test_handles_and_outputs(void) {
   INVALID(hs_bvh_query, (bvh, &columns, NULL, ids, SIZE_MAX, NULL, &total),
           "ids: expected a size that fits the address space, got "
           "18446744073709551615 elements");
-  NOT_NULL(hs_bvh_probe, (bvh, &columns, NULL, NULL, NULL), "function");
+  NOT_NULL(hs_bvh_query_each, (bvh, &columns, NULL, NULL, NULL), "function");
   INVALID(hs_bvh_reserve, (bvh, (size_t)1 << 31),
           "objects: expected fewer than 2^31 objects in all, got 2147483648");
   INVALID(hs_bvh_erase, (bvh, ids, 2),
@@ -404,7 +404,7 @@ static void test_bodies(void) {
   NOT_NULL(hs_broad_phase_set_masks, (bodies, ids, NULL, 1), "masks");
   NO_BODY(hs_broad_phase_get, (bodies, ids, 2, NULL, NULL));
   one = hs_double_rows(doubles, 1, 3);
-  INVALID(hs_broad_phase_probe, (bodies, &one, &query, no_ids, NULL),
+  INVALID(hs_broad_phase_query_each, (bodies, &one, &query, no_ids, NULL),
           "queries->type: expected HS_FLOAT32, as these cannot be rounded "
           "outward, got HS_FLOAT64");
   INVALID(hs_broad_phase_count, (bodies, &motions, &query, &size),

@@ -80,8 +80,9 @@ extern "C" void test_exceptions(void) {
   hs_bvh* bvh = nullptr;
   CHECK_OK(hs_bvh_create(&config, &columns, &bvh));
   CHECK_FAILS(
-      hs_bvh_probe(bvh, &columns, nullptr, &ThrowAtIds, nullptr), HS_INTERNAL,
-      "hs_bvh_probe: an exception ended the call: a callback's own error");
+      hs_bvh_query_each(bvh, &columns, nullptr, &ThrowAtIds, nullptr),
+      HS_INTERNAL,
+      "hs_bvh_query_each: an exception ended the call: a callback's own error");
   CHECK_FAILS(hs_bvh_raycast_each(bvh, &rays, 0, nullptr, &ThrowAtHit, nullptr),
               HS_OUT_OF_MEMORY, "hs_bvh_raycast_each: an allocation failed");
   CHECK_FAILS(hs_bvh_pairs_each(bvh, nullptr, &ThrowAtPairs, nullptr),

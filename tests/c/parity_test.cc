@@ -460,7 +460,7 @@ struct BvhFunctions {
   static constexpr auto kQuery = &hs_bvh_query;
   static constexpr auto kCount = &hs_bvh_count;
   static constexpr auto kAny = &hs_bvh_any;
-  static constexpr auto kProbe = &hs_bvh_probe;
+  static constexpr auto kProbe = &hs_bvh_query_each;
   static constexpr auto kNearestToPoints = &hs_bvh_nearest_to_points;
   static constexpr auto kNearestToBoxes = &hs_bvh_nearest_to_boxes;
   static constexpr auto kRayCast = &hs_bvh_raycast;
@@ -477,7 +477,7 @@ struct BodyFunctions {
   static constexpr auto kQuery = &hs_broad_phase_query;
   static constexpr auto kCount = &hs_broad_phase_count;
   static constexpr auto kAny = &hs_broad_phase_any;
-  static constexpr auto kProbe = &hs_broad_phase_probe;
+  static constexpr auto kProbe = &hs_broad_phase_query_each;
   static constexpr auto kNearestToPoints = &hs_broad_phase_nearest_to_points;
   static constexpr auto kNearestToBoxes = &hs_broad_phase_nearest_to_boxes;
   static constexpr auto kRayCast = &hs_broad_phase_raycast;

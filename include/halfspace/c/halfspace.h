@@ -558,7 +558,7 @@ HALFSPACE_API hs_status hs_bvh_cost_ratio(const hs_bvh* bvh, double* ratio);
 // means a body.
 
 // The type of the queries of ..._query(), ..._count(), ..._any() and
-// ..._probe(). Those that are no bounds must be floats.
+// ..._query_each(). Those that are no bounds must be floats.
 // bvh_shapes.h says which objects survive them.
 typedef enum hs_shape HALFSPACE_INT {
   HS_SHAPE_BOUND = 0,        // a record of the kind of the objects
@@ -639,10 +639,11 @@ HALFSPACE_API hs_status hs_bvh_any(const hs_bvh* bvh, const hs_columns* queries,
 // function is called for them. So pass many queries at once.
 typedef hs_visit (*hs_ids_function)(void* context, size_t query,
                                     const uint32_t* ids, size_t count);
-HALFSPACE_API hs_status hs_bvh_probe(const hs_bvh* bvh,
-                                     const hs_columns* queries,
-                                     const hs_query_options* options,
-                                     hs_ids_function function, void* context);
+HALFSPACE_API hs_status hs_bvh_query_each(const hs_bvh* bvh,
+                                          const hs_columns* queries,
+                                          const hs_query_options* options,
+                                          hs_ids_function function,
+                                          void* context);
 
 // Writes the `k` objects nearest to each point (d columns) or box (2 d columns)
 // that are within `max_distance`, which may be INFINITY, in ascending order.
@@ -1193,11 +1194,9 @@ HALFSPACE_API hs_status hs_broad_phase_any(const hs_broad_phase* bodies,
                                            const hs_columns* queries,
                                            const hs_query_options* options,
                                            uint32_t* ids);
-HALFSPACE_API hs_status hs_broad_phase_probe(const hs_broad_phase* bodies,
-                                             const hs_columns* queries,
-                                             const hs_query_options* options,
-                                             hs_ids_function function,
-                                             void* context);
+HALFSPACE_API hs_status hs_broad_phase_query_each(
+    const hs_broad_phase* bodies, const hs_columns* queries,
+    const hs_query_options* options, hs_ids_function function, void* context);
 HALFSPACE_API hs_status hs_broad_phase_nearest_to_points(
     const hs_broad_phase* bodies, const hs_columns* points, size_t k,
     float max_distance, const hs_query_options* options, uint32_t* ids,

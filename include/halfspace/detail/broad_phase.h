@@ -20,20 +20,13 @@ struct BroadPhaseOptions;
 struct BroadPhaseStatistics;
 struct UpdateOptions;
 
-template <typename View>
-class BroadPhase;
-
 namespace detail {
 
 // Writes bytes of Save().
 using SaveFunction = void (*)(void* context, Span<const std::byte> bytes);
 
 class BroadPhaseState;
-class BroadPhaseCore;
 class PairEventsCore;
-
-template <typename View>
-const BroadPhaseCore& CoreOf(const BroadPhase<View>& bodies);
 
 class HALFSPACE_API BroadPhaseCore {
  public:

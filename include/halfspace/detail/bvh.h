@@ -29,6 +29,8 @@ struct SearchOptions;
 
 template <typename View>
 class Bvh;
+template <typename View>
+class BroadPhase;
 
 namespace detail {
 
@@ -53,46 +55,95 @@ struct BvhType : PlaneLayout {
   const BvhKernels* kernels;  // of each target
 };
 
-// What a Bvh of boxes is built of besides its own types.
+// The bounds that a Bvh reads: its own, and boxes of doubles if it is of boxes.
 template <typename View>
-inline constexpr bool kIsOfBoxes =
-    std::is_same_v<View, AabbView<View::Bound::kDimensions, float>>;
+Columns BoundsIn(const View& view) {
+  return ColumnsOf(view);
+}
 template <typename View>
-using IfBoxes = std::enable_if_t<kIsOfBoxes<View>>;
+Columns BoundsIn(const World<View>& world) {
+  return ColumnsOf(world.view());
+}
 template <typename View>
-using DoubleView = AabbView<View::Bound::kDimensions, double>;
-struct NoBound {};  // of doubles
-template <typename View>
-using DoubleBound =
-    std::conditional_t<kIsOfBoxes<View>, Aabb<View::Bound::kDimensions, double>,
-                       NoBound>;
+Columns BoundsIn(Span<const typename View::Bound> list) {
+  return ColumnsOf(list);
+}
 
+template <typename View>
+using IfBoxes = std::enable_if_t<
+    std::is_same_v<View, AabbView<View::Bound::kDimensions, float>>>;
 template <typename View, typename = IfBoxes<View>>
-Columns OtherColumns(const DoubleView<View>& view) {
+Columns BoundsIn(const AabbView<View::Bound::kDimensions, double>& view) {
   return ColumnsOf(view);
 }
 template <typename View, typename = IfBoxes<View>>
-Columns OtherColumns(const World<DoubleView<View>>& world) {
+Columns BoundsIn(const AabbWorld<View::Bound::kDimensions, double>& world) {
   return ColumnsOf(world.view());
 }
 template <typename View, typename = IfBoxes<View>>
-Columns OtherColumns(
-    Span<const Aabb<View::Bound::kDimensions, double>> bounds) {
-  return ColumnsOf(bounds);
+Columns BoundsIn(Span<const Aabb<View::Bound::kDimensions, double>> list) {
+  return ColumnsOf(list);
 }
 template <typename View, typename Scalar, typename = IfBoxes<View>>
-Columns OtherColumns(const Boxes<View::Bound::kDimensions, Scalar>& boxes) {
+Columns BoundsIn(const Boxes<View::Bound::kDimensions, Scalar>& boxes) {
   return ColumnsOf(boxes);
 }
 
-// Types if Objects can be one of these, and if Bound is a box of doubles.
-template <typename View, typename Objects>
-using IfOther =
-    decltype(OtherColumns<View>(std::declval<const Objects&>()).size);
-template <typename View, typename Bound>
-using IfDoubleBound =
-    std::enable_if_t<std::is_same_v<Bound, DoubleBound<View>>>;
+// What calls search for.
 
+struct BvhQueries;
+struct BvhShapeQuery;
+struct Walk;
+
+// Queries by shapes of one type.
+struct BvhShapeKind {
+  std::size_t alignment;
+  BvhShapeQuery (*at)(const void* shapes, std::size_t i);
+  // BvhWalkShapes(), which a program links only if it has shapes.
+  void (*walk)(const BvhType& type, const BvhQueries& queries,
+               const QueryOptions& options, const char* call, const Walk& walk);
+};
+
+// Queries, one after another: bounds, of which each has all minima, then all
+// maxima, and of simplices only maxima; or shapes.
+struct BvhQueries {
+  const void* first;
+  std::size_t count;
+  const BvhShapeKind* kind = nullptr;  // of shapes
+};
+
+// Returns the new limit; a negative one ends the search. `planes` has the
+// object's value on plane p at p * kBlockObjects.
+using NearFunction = float (*)(void* context, std::uint32_t id, float value,
+                               const float* planes);
+
+// Boxes, or points, whose corners are equal. The lower corner of box i is at
+// values[i * stride], and the upper one is `upper` values behind it.
+struct NearQueries {
+  const float* values;
+  std::size_t upper;
+  std::size_t stride;
+  std::size_t count;
+};
+
+// A box from `low` to `high`, `radius` larger on each side, or, if it is round,
+// a ball, on its way.
+struct LineCast {
+  const char* call;
+  const float* low;
+  const float* high;
+  const float* direction;
+  float max_t;
+  float radius;
+  bool is_round = false;
+};
+
+// Results of queries, and of pairs. Both return whether to go on.
+using IdsFunction = bool (*)(void* context, Span<const std::uint32_t> ids);
+using PairsFunction = bool (*)(void* context, Span<const IdPair> pairs);
+
+struct BvhPairKernels;
+class BroadPhaseCore;
 class BvhState;
 struct BvhLevels;
 
@@ -159,6 +210,44 @@ class HALFSPACE_API BvhTree {
   void Rebuild(const BuildOptions& options);
   std::size_t RebuildPartial(std::size_t objects);
 
+  // The queries of bvh.h. One query, several, and several bounds. Any() returns
+  // whether there is one, and its id.
+  std::size_t Survivors(const BvhQueries& query, Span<std::uint32_t> ids,
+                        const QueryOptions& options, std::size_t skip) const;
+  std::size_t Count(const BvhQueries& query, const QueryOptions& options) const;
+  bool Any(const BvhQueries& query, std::uint32_t& id,
+           const QueryOptions& options) const;
+  void ForEach(const BvhQueries& query, IdsFunction function, void* context,
+               const QueryOptions& options) const;
+  std::size_t SurvivorsOfEach(const BvhQueries& queries,
+                              Span<std::uint32_t> ids,
+                              Span<std::size_t> offsets,
+                              const QueryOptions& options,
+                              std::size_t skip) const;
+  void CountOfEach(const BvhQueries& queries, Span<std::size_t> counts,
+                   const QueryOptions& options) const;
+
+  // Those of bvh_nearest.h.
+  std::size_t Nearest(const NearQueries& query, float max_distance,
+                      Span<std::uint32_t> ids, Span<float> distances,
+                      const SearchOptions& options) const;
+  void NearestOfEach(const NearQueries& queries, std::size_t k,
+                     float max_distance, Span<std::uint32_t> ids,
+                     Span<float> distances, const SearchOptions& options) const;
+  void ForEachNearest(const NearQueries& query, float max_distance,
+                      NearFunction function, void* context,
+                      const SearchOptions& options) const;
+  void Cast(const LineCast& cast, NearFunction function, void* context,
+            const SearchOptions& options) const;
+
+  // Those of bvh_pairs.h that a BroadPhase has, too.
+  std::size_t PairsOf(const BvhPairKernels* kernels,
+                      Span<const std::uint32_t> ids, Span<IdPair> pairs,
+                      const PairOptions& options) const;
+  void ForEachPairOf(const BvhPairKernels* kernels,
+                     Span<const std::uint32_t> ids, PairsFunction function,
+                     void* context, const PairOptions& options) const;
+
  private:
   friend class BvhState;
   void Swap(BvhTree& other) noexcept;
@@ -166,62 +255,24 @@ class HALFSPACE_API BvhTree {
   alignas(8) std::byte state_[464];
 };
 
+// What the calls of bvh.h and its siblings search. Both have the same members.
+template <typename View>
+const BvhTree& CoreOf(const Bvh<View>& bvh) {
+  return bvh.tree_;
+}
+template <typename View>
+const BroadPhaseCore& CoreOf(const BroadPhase<View>& bodies);
+
+// Its view. A type only of a Bvh or a BroadPhase.
+template <typename View>
+View ViewIn(const Bvh<View>& bvh);
+template <typename View>
+View ViewIn(const BroadPhase<View>& bodies);
+template <typename Tree>
+using SearchedView = decltype(ViewIn(std::declval<const Tree&>()));
+
 // The planes of a stored tree, without dimensions if the bytes are none.
 HALFSPACE_API PlaneLayout LayoutOfBlob(Span<const std::byte> blob);
-
-template <typename View>
-const BvhTree& TreeOf(const Bvh<View>& world) {
-  return world.tree_;
-}
-
-// Returns whether to go on.
-using IdsFunction = bool (*)(void* context, Span<const std::uint32_t> ids);
-
-struct BvhQueries;
-struct BvhShapeQuery;
-struct Walk;
-
-// Queries by shapes of one type.
-struct BvhShapeKind {
-  std::size_t alignment;
-  BvhShapeQuery (*at)(const void* shapes, std::size_t i);
-  // BvhWalkShapes(), which a program links only if it has shapes.
-  void (*walk)(const BvhType& type, const BvhQueries& queries,
-               const QueryOptions& options, const char* call, const Walk& walk);
-};
-
-// Queries, one after another: bounds, of which each has all minima, then all
-// maxima, and of simplices only maxima; or shapes.
-struct BvhQueries {
-  const void* first;
-  std::size_t count;
-  const BvhShapeKind* kind = nullptr;  // of shapes
-};
-
-// One query.
-HALFSPACE_API std::size_t BvhSurvivors(const BvhTree& tree,
-                                       const BvhQueries& query,
-                                       Span<std::uint32_t> ids,
-                                       const QueryOptions& options,
-                                       std::size_t skip);
-HALFSPACE_API std::size_t BvhCount(const BvhTree& tree, const BvhQueries& query,
-                                   const QueryOptions& options);
-// Returns whether there is one, and its id.
-HALFSPACE_API bool BvhAny(const BvhTree& tree, const BvhQueries& query,
-                          std::uint32_t& id, const QueryOptions& options);
-HALFSPACE_API void BvhForEach(const BvhTree& tree, const BvhQueries& query,
-                              IdsFunction function, void* context,
-                              const QueryOptions& options);
-
-// Several.
-HALFSPACE_API std::size_t BvhSurvivorsOfEach(
-    const BvhTree& tree, const BvhQueries& queries, Span<std::uint32_t> ids,
-    Span<std::size_t> offsets, const QueryOptions& options, std::size_t skip);
-// Of bounds.
-HALFSPACE_API void BvhCountOfEach(const BvhTree& tree,
-                                  const BvhQueries& queries,
-                                  Span<std::size_t> counts,
-                                  const QueryOptions& options);
 
 // Shapes (bvh_shapes.h).
 
@@ -249,58 +300,7 @@ HALFSPACE_API void BvhWalkShapes(const BvhType& type, const BvhQueries& queries,
                                  const QueryOptions& options, const char* call,
                                  const Walk& walk);
 
-// Searches and casts (bvh_nearest.h).
-
-// Returns the new limit; a negative one ends the search. `planes` has the
-// object's value on plane p at p * kBlockObjects.
-using NearFunction = float (*)(void* context, std::uint32_t id, float value,
-                               const float* planes);
-
-// Boxes, or points, whose corners are equal. The lower corner of box i is at
-// values[i * stride], and the upper one is `upper` values behind it.
-struct NearQueries {
-  const float* values;
-  std::size_t upper;
-  std::size_t stride;
-  std::size_t count;
-};
-
-HALFSPACE_API std::size_t BvhNearest(const BvhTree& tree,
-                                     const NearQueries& query,
-                                     float max_distance,
-                                     Span<std::uint32_t> ids,
-                                     Span<float> distances,
-                                     const SearchOptions& options);
-HALFSPACE_API void BvhNearestOfEach(const BvhTree& tree,
-                                    const NearQueries& queries, std::size_t k,
-                                    float max_distance, Span<std::uint32_t> ids,
-                                    Span<float> distances,
-                                    const SearchOptions& options);
-HALFSPACE_API void BvhForEachNearest(const BvhTree& tree,
-                                     const NearQueries& query,
-                                     float max_distance, NearFunction function,
-                                     void* context,
-                                     const SearchOptions& options);
-
-// A box from `low` to `high`, `radius` larger on each side, or, if it is round,
-// a ball, on its way.
-struct LineCast {
-  const char* call;
-  const float* low;
-  const float* high;
-  const float* direction;
-  float max_t;
-  float radius;
-  bool is_round = false;
-};
-
-HALFSPACE_API void BvhCast(const BvhTree& tree, const LineCast& cast,
-                           NearFunction function, void* context,
-                           const SearchOptions& options);
-
 // Pairs (bvh_pairs.h).
-
-struct BvhPairKernels;
 
 // As BvhKernelsOf, in object files of their own.
 template <std::size_t kAxes>
@@ -317,9 +317,6 @@ struct PairSources {
   const BvhTree* b;                      // null: the pairs of a
   const Span<const std::uint32_t>* ids;  // null: all
 };
-
-// Returns whether to go on.
-using PairsFunction = bool (*)(void* context, Span<const IdPair> pairs);
 
 HALFSPACE_API std::size_t BvhPairs(const PairSources& sources,
                                    Span<IdPair> pairs,

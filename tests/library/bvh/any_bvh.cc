@@ -87,29 +87,36 @@ detail::PairSources PairSourcesOf(const Searches& world, const Searches* other,
           other == nullptr ? nullptr : other->bvh, ids};
 }
 
+// Returns ask(tree) of a BVH or a broad phase, which have the same calls.
+template <class Ask>
+static auto In(const Searches& searches, const Ask& ask) {
+  return searches.bvh == nullptr ? ask(*searches.bodies) : ask(*searches.bvh);
+}
+
 std::size_t Searches::Find(const Shape& shape, Span<std::uint32_t> ids,
                            const QueryOptions& options,
                            std::size_t skip) const {
   const Asked asked(layout, {&shape, 1});
-  return bvh == nullptr
-             ? bodies->Survivors(asked.queries, ids, options, skip)
-             : detail::BvhSurvivors(*bvh, asked.queries, ids, options, skip);
+  return In(*this, [&](const auto& tree) {
+    return tree.Survivors(asked.queries, ids, options, skip);
+  });
 }
 
 std::size_t Searches::Count(const Shape& shape,
                             const QueryOptions& options) const {
   const Asked asked(layout, {&shape, 1});
-  return bvh == nullptr ? bodies->Count(asked.queries, options)
-                        : detail::BvhCount(*bvh, asked.queries, options);
+  return In(*this, [&](const auto& tree) {
+    return tree.Count(asked.queries, options);
+  });
 }
 
 std::optional<std::uint32_t> Searches::Any(const Shape& shape,
                                            const QueryOptions& options) const {
   const Asked asked(layout, {&shape, 1});
   std::uint32_t id = 0;
-  const bool is_found = bvh == nullptr
-                            ? bodies->Any(asked.queries, id, options)
-                            : detail::BvhAny(*bvh, asked.queries, id, options);
+  const bool is_found = In(*this, [&](const auto& tree) {
+    return tree.Any(asked.queries, id, options);
+  });
   return is_found ? std::optional(id) : std::nullopt;
 }
 
@@ -117,10 +124,9 @@ void Searches::ForEach(const Shape& shape, const OnIds& function,
                        const QueryOptions& options) const {
   const Asked asked(layout, {&shape, 1});
   detail::Callback call{function};
-  const detail::IdsFunction run = &decltype(call)::Run;
-  if (bvh == nullptr)
-    return bodies->ForEach(asked.queries, run, &call, options);
-  detail::BvhForEach(*bvh, asked.queries, run, &call, options);
+  In(*this, [&](const auto& tree) {
+    tree.ForEach(asked.queries, &decltype(call)::Run, &call, options);
+  });
 }
 
 std::size_t Searches::FindEach(std::span<const Shape> shapes,
@@ -129,48 +135,43 @@ std::size_t Searches::FindEach(std::span<const Shape> shapes,
                                const QueryOptions& options,
                                std::size_t skip) const {
   const Asked asked(layout, shapes);
-  return bvh == nullptr ? bodies->SurvivorsOfEach(asked.queries, ids, offsets,
-                                                  options, skip)
-                        : detail::BvhSurvivorsOfEach(*bvh, asked.queries, ids,
-                                                     offsets, options, skip);
+  return In(*this, [&](const auto& tree) {
+    return tree.SurvivorsOfEach(asked.queries, ids, offsets, options, skip);
+  });
 }
 
 void Searches::CountEach(std::span<const Shape> bounds,
                          Span<std::size_t> counts,
                          const QueryOptions& options) const {
   const Asked asked(layout, bounds);
-  detail::BvhCountOfEach(*bvh, asked.queries, counts, options);
+  bvh->CountOfEach(asked.queries, counts, options);
 }
 
 std::size_t Searches::Nearest(const Place& place, Span<std::uint32_t> ids,
                               Span<float> distances, float max_distance,
                               const SearchOptions& options) const {
-  const detail::NearQueries query = NearQueriesOf({&place, 1});
-  return bvh == nullptr
-             ? bodies->Nearest(query, max_distance, ids, distances, options)
-             : detail::BvhNearest(*bvh, query, max_distance, ids, distances,
-                                  options);
+  return In(*this, [&](const auto& tree) {
+    return tree.Nearest(NearQueriesOf({&place, 1}), max_distance, ids,
+                        distances, options);
+  });
 }
 
 void Searches::NearestEach(std::span<const Place> places, std::size_t k,
                            Span<std::uint32_t> ids, Span<float> distances,
                            float max_distance,
                            const SearchOptions& options) const {
-  const detail::NearQueries queries = NearQueriesOf(places);
-  if (bvh == nullptr) {
-    return bodies->NearestOfEach(queries, k, max_distance, ids, distances,
-                                 options);
-  }
-  detail::BvhNearestOfEach(*bvh, queries, k, max_distance, ids, distances,
-                           options);
+  In(*this, [&](const auto& tree) {
+    tree.NearestOfEach(NearQueriesOf(places), k, max_distance, ids, distances,
+                       options);
+  });
 }
 
 void Searches::ForEachNearest(const Corner& point, float max_distance,
                               const OnHit& function,
                               const SearchOptions& options) const {
   detail::Callback call{WithPlanes(layout, function)};
-  detail::BvhForEachNearest(*bvh, {point.data(), 0, 0, 1}, max_distance,
-                            &decltype(call)::Run, &call, options);
+  bvh->ForEachNearest({point.data(), 0, 0, 1}, max_distance,
+                      &decltype(call)::Run, &call, options);
 }
 
 void Searches::Cast(const Motion& motion, const OnHit& function,
@@ -186,9 +187,9 @@ void Searches::Cast(const Motion& motion, const OnHit& function,
                                  is_box ? 0 : motion.radius,
                                  motion.kind == Motion::kBall};
   detail::Callback call{WithPlanes(layout, function)};
-  const detail::NearFunction run = &decltype(call)::Run;
-  if (bvh == nullptr) return bodies->Cast(cast, run, &call, options);
-  detail::BvhCast(*bvh, cast, run, &call, options);
+  In(*this, [&](const auto& tree) {
+    tree.Cast(cast, &decltype(call)::Run, &call, options);
+  });
 }
 
 std::size_t Searches::FindPairs(const Searches* other,

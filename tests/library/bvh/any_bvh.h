@@ -195,6 +195,12 @@ class AnyBvh : public detail::BvhTree, public Searches {
   AnyBvh& operator=(const AnyBvh&) = delete;
 
   using BvhTree::size;
+  using Searches::Any;
+  using Searches::Cast;
+  using Searches::Count;
+  using Searches::ForEach;
+  using Searches::ForEachNearest;
+  using Searches::Nearest;
   Planes Get(std::uint32_t id) const {
     Planes planes{};
     BvhTree::Get(id, {planes.data(), layout.plane_count});
