@@ -1,9 +1,11 @@
 // hs_bvh_...() that create and change a hierarchy.
 #include "c/bvh.h"
 
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <exception>
+#include <optional>
 
 using halfspace::c::BvhConfig;
 using halfspace::c::Call;
@@ -23,7 +25,8 @@ constexpr hs_bvh_config kBvhDefaults = {sizeof(hs_bvh_config),
                                         nullptr,
                                         nullptr,
                                         nullptr,
-                                        {}};
+                                        {},
+                                        nullptr};
 
 // What the part functions of one call of `run` share. They can run at the same
 // time, and must not throw through the caller's function.
@@ -62,6 +65,22 @@ BuildQuality ReadQuality(const Call& call, hs_quality quality) {
             static_cast<int>(quality));
 }
 
+std::optional<std::array<float, 3>> ReadExtents(const Call& call,
+                                                const PlaneLayout& layout,
+                                                const float* extents) {
+  if (extents == nullptr) return std::nullopt;
+  call.CheckArray("config->query_extents", extents, layout.dims);
+  std::array<float, 3> read{};
+  for (std::size_t k = 0; k < layout.dims; ++k) {
+    read[k] = extents[k];
+    if (read[k] >= 0) continue;
+    call.Fail(HS_INVALID_ARGUMENT, "config->query_extents",
+              "expected numbers that are not negative, got %s on axis %zu",
+              detail::NumberText(read[k]).c_str(), k);
+  }
+  return read;
+}
+
 // Minima of simplices become a record with maxima.
 void WriteRecord(const hs_bvh& bvh, const float* values, float* record) {
   for (std::size_t v = 0; v < RecordValues(bvh.layout); ++v) {
@@ -85,6 +104,7 @@ BvhConfig::BvhConfig(const Call& call, const hs_bvh_config* config) {
   options.quality = ReadQuality(call, read.quality);
   options.target = ReadTarget(call, "config", read.target);
   options.memory = ReadAllocator(call, read.allocator);
+  options.query_extents = ReadExtents(call, layout, read.query_extents);
 }
 
 NewBvh BuildBvh(const Call& call, const BvhConfig& config,
@@ -291,6 +311,8 @@ hs_status hs_bvh_rebuild(hs_bvh* bvh, const hs_bvh_config* config) {
     options.quality = halfspace::c::ReadQuality(call, read.quality);
     options.target = halfspace::c::ReadTarget(call, "config", read.target);
     options.run = threads.runner();
+    options.query_extents =
+        halfspace::c::ReadExtents(call, bvh->layout, read.query_extents);
     bvh->core.Rebuild(options);
   });
 }

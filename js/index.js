@@ -201,13 +201,17 @@ export class BVH {
   #bvh;
   #dimensions;
 
-  constructor(boxes, { dimensions = 2, quality = 'high', [made]: bvh } = {}) {
+  constructor(boxes, { dimensions = 2, quality = 'high', queryExtents, [made]: bvh } = {}) {
     expect(dimensions === 2 || dimensions === 3, 'dimensions', '2 or 3', dimensions);
     expect(quality === 'high' || quality === 'fast', 'quality', '"high" or "fast"', quality);
+    const extents = queryExtents === undefined ? undefined
+      : floatsOf('queryExtents', rowOf('queryExtents', queryExtents, dimensions), dimensions);
+    expect(!extents?.some((extent) => extent < 0), 'queryExtents',
+      'numbers that are not negative', queryExtents);
     this.#dimensions = dimensions;
-    this.#bvh = bvh ?? withRows(boxesOf(boxes, dimensions), 2 * dimensions, (rows) =>
-      resultOf(wasm.hs_bvh_create(wasm.config(dimensions, quality === 'fast' ? 1 : 0), rows,
-        oneResult)));
+    this.#bvh = bvh ?? withRows(boxesOf(boxes, dimensions), 2 * dimensions, (rows, _, allocate) =>
+      resultOf(wasm.hs_bvh_create(wasm.config(dimensions, quality === 'fast' ? 1 : 0,
+        extents ? copyIn(allocate, extents) : 0), rows, oneResult)));
     registry.register(this, this.#bvh, this);
   }
 
@@ -219,7 +223,7 @@ export class BVH {
       // HS_BOX2 is 1, and HS_BOX3 is 2.
       const dimensions = 1 + resultOf(wasm.hs_blob_kind(address, from.length, oneResult));
       expect(dimensions <= 3, 'bytes', 'a BVH of boxes', 'another kind of bounds');
-      const config = wasm.config(dimensions, 0);
+      const config = wasm.config(dimensions, 0, 0);
       const bvh = resultOf(
         wasm.hs_bvh_from_blob(config, address, from.length, oneResult), 'bytes');
       return new BVH([], { dimensions, [made]: bvh });

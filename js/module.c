@@ -16,11 +16,13 @@ EMSCRIPTEN_KEEPALIVE const hs_columns* rows(int slot, int is_double,
   return &columns[slot];
 }
 
-EMSCRIPTEN_KEEPALIVE const hs_bvh_config* config(int dims, int is_fast) {
+EMSCRIPTEN_KEEPALIVE const hs_bvh_config* config(int dims, int is_fast,
+                                                 const float* query_extents) {
   static hs_bvh_config config;
   hs_bvh_config_default(&config, sizeof config);
   config.kind = dims == 2 ? HS_BOX2 : HS_BOX3;
   config.quality = is_fast ? HS_QUALITY_FAST : HS_QUALITY_HIGH;
+  config.query_extents = query_extents;
   return &config;
 }
 

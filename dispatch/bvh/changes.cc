@@ -167,6 +167,7 @@ void BvhState::Reallocate(const char* call, const BvhRoom& room) {
     to.ids = from.ids;
     to.sorted = from.sorted;
     to.inserted = from.inserted;
+    to.weights = from.weights;
   }
   SetSlots(grown.levels_, to.slots);
   for (std::size_t l = 0; l < grown.levels_.count; ++l) {

@@ -68,7 +68,7 @@ struct alignas(64) BvhHeader {
   std::uint32_t slots;     // in use or erased: from 0 on
   std::uint32_t size;      // objects
   std::uint32_t ids;       // in use or free: from 0 on
-  std::uint32_t unused;    // all ones
+  std::uint32_t weights;   // AxisWeights::Pack() of the last sort of all
   std::uint32_t sorted;    // slots when all were sorted, that are left of these
   std::uint32_t inserted;  // since then, or since PutOffSort()
 };

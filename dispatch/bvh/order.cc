@@ -123,39 +123,107 @@ void PlaceMiddle(Entry* first, std::size_t middle, Entry* end, std::size_t axis,
   std::nth_element(of_cell, first + middle, behind, by_axis);
 }
 
+// How entries become leaves.
+struct Cuts {
+  const AxisWeights& weights;
+  std::size_t first_slot;  // of entry 0
+
+  // The blocks of so many slots that a piece is in.
+  std::size_t First(const Piece& piece, std::size_t slots) const {
+    return (first_slot + piece.begin) / slots;
+  }
+  std::size_t Blocks(const Piece& piece, std::size_t slots) const {
+    return (first_slot + piece.end + slots - 1) / slots - First(piece, slots);
+  }
+};
+
 // Divides a piece into a lower and an upper half, and returns where the upper
 // half begins. That is at a multiple of the largest full node.
-std::size_t Split(Entry* entries, const Piece& piece) {
+std::size_t Split(Entry* entries, const Piece& piece, const Cuts& cuts) {
   const std::size_t count = piece.end - piece.begin;
   std::size_t node = kBlockObjects;
   while (node * kBlockObjects < count) node *= kBlockObjects;
-  const std::size_t middle = (count + node - 1) / node / 2 * node;
+  const std::size_t middle =
+      (cuts.First(piece, node) + cuts.Blocks(piece, node) / 2) * node -
+      cuts.first_slot - piece.begin;
   Entry* const first = entries + piece.begin;
   Extent extent;
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t k = 0; k < kAxes; ++k) extent.Add(k, first[i].center[k]);
   }
-  std::size_t widest = 0;
+  std::size_t axis = 0;
+  const auto cost_of = [&](std::size_t k) {
+    return std::pair(extent.Width(k) * cuts.weights.weight[k], extent.Width(k));
+  };
   for (std::size_t k = 1; k < kAxes; ++k) {
-    if (extent.Width(k) > extent.Width(widest)) widest = k;
+    if (cost_of(k) > cost_of(axis)) axis = k;
   }
-  PlaceMiddle(first, middle, first + count, widest, extent.least[widest],
-              extent.Width(widest));
+  PlaceMiddle(first, middle, first + count, axis, extent.least[axis],
+              extent.Width(axis));
   return piece.begin + middle;
 }
 
-void SortByMedians(Entry* entries, Piece piece) {
-  while (piece.end - piece.begin > kBlockObjects) {
-    const std::size_t middle = Split(entries, piece);
-    SortByMedians(entries, {piece.begin, middle});
+void SortByMedians(Entry* entries, Piece piece, const Cuts& cuts) {
+  while (cuts.Blocks(piece, kBlockObjects) > 1) {
+    const std::size_t middle = Split(entries, piece, cuts);
+    SortByMedians(entries, {piece.begin, middle}, cuts);
     piece.begin = middle;
+  }
+}
+
+void SortAllByMedians(Entry* entries, std::size_t size, const Cuts& cuts,
+                      const Runner& run) {
+  // Pieces are split until there are enough of them for all threads.
+  constexpr std::size_t kPieces = 64;
+  std::array<Piece, kPieces> pieces;
+  std::size_t count = 1;
+  pieces[0] = {0, size};
+  while (2 * count <= kPieces && size / count > kPart) {
+    std::array<Piece, kPieces> halves;
+    RunInDefaultFpMode(run, count, [&](std::size_t i) {
+      const std::size_t middle = Split(entries, pieces[i], cuts);
+      halves[2 * i] = {pieces[i].begin, middle};
+      halves[2 * i + 1] = {middle, pieces[i].end};
+    });
+    pieces = halves;
+    count *= 2;
+  }
+  RunInDefaultFpMode(run, count, [&](std::size_t i) {
+    SortByMedians(entries, pieces[i], cuts);
+  });
+}
+
+// The entries of the objects ids[0 ... count - 1].
+void GatherEntries(const detail::PlaneLayout& layout,
+                   const detail::Columns& objects, const Kernels& kernels,
+                   const std::uint32_t* ids, std::size_t count,
+                   Entry* entries) {
+  std::array<std::array<float, kBlockObjects>, detail::kMaxPlanes> values;
+  detail::Columns gathered = detail::ColumnsOf<float>(kBlockObjects, 1);
+  for (std::size_t p = 0; p < layout.plane_count; ++p) {
+    gathered.column[p] = values[p].data();
+  }
+  for (std::size_t first = 0; first < count; first += kBlockObjects) {
+    const std::size_t some = std::min(kBlockObjects, count - first);
+    for (std::size_t i = 0; i < some; ++i) {
+      for (std::size_t p = 0; p < layout.plane_count; ++p) {
+        values[p][i] = objects.floats(p)[ids[first + i] * objects.stride];
+      }
+    }
+    Centers centers;
+    kernels.centers(gathered, 0, some, centers);
+    for (std::size_t i = 0; i < some; ++i) {
+      entries[first + i] = {{centers[0][i], centers[1][i], centers[2][i]},
+                            ids[first + i]};
+    }
   }
 }
 
 }  // namespace
 
-void OrderByMedians(const detail::Columns& objects, const Kernels& kernels,
-                    std::byte* scratch, std::uint32_t* ids, const Runner& run) {
+void OrderByMedians(const detail::Columns& objects, const AxisWeights& weights,
+                    const Kernels& kernels, std::byte* scratch,
+                    std::uint32_t* ids, const Runner& run) {
   auto* const entries = reinterpret_cast<Entry*>(scratch);
   ForCenters(objects, 0, objects.size, kernels, run,
              [&](std::size_t first, std::size_t count, const Centers& centers) {
@@ -165,68 +233,19 @@ void OrderByMedians(const detail::Columns& objects, const Kernels& kernels,
                      static_cast<std::uint32_t>(first + i)};
                }
              });
-  // Pieces are split until there are enough of them for all threads.
-  constexpr std::size_t kPieces = 64;
-  std::array<Piece, kPieces> pieces;
-  std::size_t count = 1;
-  pieces[0] = {0, objects.size};
-  while (2 * count <= kPieces && objects.size / count > kPart) {
-    std::array<Piece, kPieces> halves;
-    RunInDefaultFpMode(run, count, [&](std::size_t i) {
-      const std::size_t middle = Split(entries, pieces[i]);
-      halves[2 * i] = {pieces[i].begin, middle};
-      halves[2 * i + 1] = {middle, pieces[i].end};
-    });
-    pieces = halves;
-    count *= 2;
-  }
-  RunInDefaultFpMode(run, count,
-                     [&](std::size_t i) { SortByMedians(entries, pieces[i]); });
+  SortAllByMedians(entries, objects.size, {weights, 0}, run);
   for (std::size_t i = 0; i < objects.size; ++i) ids[i] = entries[i].id;
 }
 
-// The grid over most centers, by a sample of consecutive objects. The outermost
-// 16ths of the sample extend the range of the others by at most a quarter.
-// Objects farther away share the cells at the end, because they would leave the
-// others few cells.
-detail::Grid GridOf(const detail::Columns& objects, const Kernels& kernels) {
+void OrderCell(const detail::PlaneLayout& layout,
+               const detail::Columns& objects, const AxisWeights& weights,
+               const Kernels& kernels, std::byte* scratch, std::uint32_t* ids,
+               std::size_t count, std::size_t first_slot, const Runner& run) {
   const DefaultFpMode mode;
-  constexpr std::size_t kRuns = 32;
-  constexpr std::size_t kRun = 4;
-  constexpr float kMostCells = std::numeric_limits<float>::max() / 0x1p15f;
-  std::array<std::array<float, kRuns * kRun>, kAxes> samples;
-  std::array<std::size_t, kAxes> counts{};
-  const std::size_t step = std::max(kRun, objects.size / kRuns);
-  for (std::size_t r = 0; r < kRuns && r * step < objects.size; ++r) {
-    const std::size_t count = std::min(kRun, objects.size - r * step);
-    Centers centers;
-    kernels.centers(objects, r * step, count, centers);
-    for (std::size_t k = 0; k < kAxes; ++k) {
-      for (std::size_t i = 0; i < count; ++i) {
-        if (centers[k][i] == detail::kLastCenter) continue;
-        samples[k][counts[k]++] = centers[k][i];
-      }
-    }
-  }
-  detail::Grid grid{};
-  for (std::size_t k = 0; k < kAxes; ++k) {
-    const std::size_t count = counts[k];
-    if (count == 0) continue;
-    float* const sample = samples[k].data();
-    std::sort(sample, sample + count);
-    const float low = sample[count / 16];
-    const float high = sample[count - 1 - count / 16];
-    const float more = (high - low) / 4;
-    const bool is_narrow = !(low < high);
-    grid.least[k] = is_narrow ? sample[0] : std::max(sample[0], low - more);
-    const float width = (is_narrow ? sample[count - 1]
-                                   : std::min(sample[count - 1], high + more)) -
-                        grid.least[k];
-    if (width > 0 && 1 / width <= kMostCells) {
-      grid.cells_of_unit[k] = 1 / width;
-    }
-  }
-  return grid;
+  auto* const entries = reinterpret_cast<Entry*>(scratch);
+  GatherEntries(layout, objects, kernels, ids, count, entries);
+  SortAllByMedians(entries, count, {weights, first_slot}, run);
+  for (std::size_t i = 0; i < count; ++i) ids[i] = entries[i].id;
 }
 
 const CurveKey* KeysByCurve(const detail::Columns& objects, std::size_t begin,
@@ -268,12 +287,34 @@ const CurveKey* KeysByCurve(const detail::Columns& objects, std::size_t begin,
   return from;
 }
 
-void OrderByCurve(const detail::Columns& objects, const Kernels& kernels,
-                  std::byte* scratch, std::uint32_t* ids, const Runner& run) {
+void OrderByCurve(const detail::PlaneLayout& layout,
+                  const detail::Columns& objects, const AxisWeights& weights,
+                  const Kernels& kernels, std::byte* scratch,
+                  std::uint32_t* ids, const Runner& run) {
+  const std::size_t count = objects.size;
   const CurveKey* const keys =
-      KeysByCurve(objects, 0, objects.size, GridOf(objects, kernels), kernels,
+      KeysByCurve(objects, 0, count, GridOf(objects, weights, kernels), kernels,
                   scratch, run);
-  for (std::size_t i = 0; i < objects.size; ++i) ids[i] = keys[i].id;
+  for (std::size_t i = 0; i < count; ++i) ids[i] = keys[i].id;
+  // The half of the scratch memory without the keys has room for half of the
+  // objects. One cell can have more. It is the last, because it takes all.
+  const bool are_first = reinterpret_cast<const std::byte*>(keys) == scratch;
+  std::byte* const free = scratch + (are_first ? count * sizeof(CurveKey) : 0);
+  Piece large = {0, 0};
+  const auto order = [&](const Piece& cell, std::byte* its_scratch) {
+    OrderCell(layout, objects, weights, kernels, its_scratch, ids + cell.begin,
+              cell.end - cell.begin, cell.begin, run);
+  };
+  ForCrowdedCells(
+      count, [&](std::size_t i) { return keys[i].place; },
+      [&](std::size_t begin, std::size_t end) {
+        if (2 * (end - begin) > count) {
+          large = {begin, end};
+        } else {
+          order({begin, end}, free);
+        }
+      });
+  if (large.end != 0) order(large, scratch);
 }
 
 }  // namespace halfspace::dispatch

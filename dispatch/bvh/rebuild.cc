@@ -160,7 +160,8 @@ void BvhTree::Rebuild(const BuildOptions& options) {
   const bool has_slots = tree.levels_.slots != nullptr;
   BvhState sorted(tree.type_, tree.memory_);
   sorted.BuildIn({size, has_slots ? ids : 0, tree.header().has_masks != 0},
-                 objects.columns(), options);
+                 objects.columns(), options,
+                 dispatch::AxisWeights::Unpack(tree.header().weights));
   BvhLevels& levels = sorted.levels_;
   if (has_slots && size > 0) {
     std::fill_n(levels.slots, ids, kNoId);
@@ -184,9 +185,16 @@ std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges) {
   const Scratch order(memory_, columns.size * sizeof(std::uint32_t));
   auto* const elements = reinterpret_cast<std::uint32_t*>(order.data());
   const Scratch scratch(memory_, columns.size * dispatch::kOrderScratch);
-  dispatch::OrderByMedians(columns, kernels, scratch.data(), elements,
+  const bool is_all = ranges[0].end - ranges[0].begin == slots();
+  auto weights = dispatch::AxisWeights::Unpack(header().weights);
+  if (header().weights == dispatch::AxisWeights::kNone ||
+      (is_all && !weights.is_given)) {
+    weights = dispatch::WeightsOf(type_, columns, kernels, std::nullopt);
+  }
+  dispatch::OrderByMedians(columns, weights, kernels, scratch.data(), elements,
                            Runner());
   Prepare(call, {});
+  if (is_all) header().weights = weights.Pack();
   const BvhLevel& level = levels_.level[0];
   std::size_t next = 0;
   for (const SlotRange& range : ranges) {
@@ -202,7 +210,7 @@ std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges) {
     }
   }
   dispatch::InDefaultFpMode([&] {
-    if (ranges[0].end - ranges[0].begin == slots()) FitMap(type_, levels_);
+    if (is_all) FitMap(type_, levels_);
     for (const SlotRange& range : ranges) {
       EncodeSlots(levels_, kernels, range.begin, range.end);
     }
@@ -314,7 +322,9 @@ std::size_t BvhTree::RebuildPartial(std::size_t objects) {
     }
   });
   if (!(worn[0].growth > 0)) return 0;
-  const std::size_t most = std::max<std::size_t>(2, objects / kGroupSlots);
+  const std::size_t most =
+      objects >= tree.size() ? groups
+                             : std::max<std::size_t>(2, objects / kGroupSlots);
   if (most >= groups) alike = groups;
   // The groups that overlap are sorted together, so objects that have moved
   // from one group to another change their group. A group that is sorted alone

@@ -112,7 +112,42 @@ std::size_t BvhState::RunObjects(const BuildOptions& options) const {
       1, options.run_bytes / (dispatch::kOrderScratch + RecordBytes(type_)));
 }
 
+// Orders the objects in slots begin ... end - 1 by medians.
+void BvhState::SortSlots(std::size_t begin, std::size_t end,
+                         const dispatch::AxisWeights& weights,
+                         const BvhKernels::OfPlanes& kernels,
+                         const Runner& run) {
+  const std::size_t count = end - begin;
+  const BvhLevel& level = levels_.level[0];
+  const Scratch floats(memory_, count * type_.plane_count * sizeof(float));
+  const Scratch ids(memory_, 2 * count * sizeof(std::uint32_t));
+  const Scratch scratch(memory_, count * dispatch::kOrderScratch);
+  auto* const values = reinterpret_cast<float*>(floats.data());
+  auto* const order = reinterpret_cast<std::uint32_t*>(ids.data());
+  std::uint32_t* const old_ids = order + count;
+  Columns columns = ColumnsOf<float>(count, 1);
+  for (std::size_t p = 0; p < type_.plane_count; ++p) {
+    columns.column[p] = values + p * count;
+    for (std::size_t i = 0; i < count; ++i) {
+      values[p * count + i] = level.Value(p, begin + i);
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    order[i] = static_cast<std::uint32_t>(i);
+    old_ids[i] = levels_.ids[begin + i];
+  }
+  dispatch::OrderCell(type_, columns, weights, kernels, scratch.data(), order,
+                      count, begin, run);
+  for (std::size_t i = 0; i < count; ++i) {
+    levels_.ids[begin + i] = old_ids[order[i]];
+    for (std::size_t p = 0; p < type_.plane_count; ++p) {
+      level.Value(p, begin + i) = values[p * count + order[i]];
+    }
+  }
+}
+
 void BvhState::BuildInRuns(const BvhRoom& room, const Columns& objects,
+                           const dispatch::AxisWeights& weights,
                            const BvhKernels::OfPlanes& kernels,
                            const BuildOptions& options) {
   const std::size_t count = objects.size;
@@ -120,7 +155,7 @@ void BvhState::BuildInRuns(const BvhRoom& room, const Columns& objects,
   const std::size_t record_bytes = RecordBytes(type_);
   const Scratch records(memory_, count * record_bytes);
   {
-    const Grid grid = dispatch::GridOf(objects, kernels);
+    const Grid grid = dispatch::GridOf(objects, weights, kernels);
     const Scratch scratch(memory_, run_objects * dispatch::kOrderScratch);
     for (std::size_t begin = 0; begin < count; begin += run_objects) {
       const std::size_t end = std::min(count, begin + run_objects);
@@ -134,16 +169,32 @@ void BvhState::BuildInRuns(const BvhRoom& room, const Columns& objects,
   Allocate(room);
   Truncate(type_, levels_, count);
   const BvhLevel& level = levels_.level[0];
+  // A crowded cell that does not fit into memory is ordered in parts.
+  constexpr std::size_t kLeastPart = std::size_t{1} << 16;
+  const std::size_t part = std::max(run_objects, kLeastPart);
+  std::uint32_t place = 0;
+  std::size_t cell = 0;
+  const auto order_cell = [&](std::size_t end) {
+    for (std::size_t begin = cell; end - cell > kBlockObjects && begin < end;
+         begin += part) {
+      SortSlots(begin, std::min(end, begin + part), weights, kernels,
+                options.run);
+    }
+    cell = end;
+  };
   for (std::size_t s = 0; s < count; ++s) {
     const std::byte* const record = merge.Next();
     CurveKey key;
     std::memcpy(&key, record, sizeof(key));
+    if (key.place != place) order_cell(s);
+    place = key.place;
     levels_.ids[s] = key.id;
     for (std::size_t p = 0; p < type_.plane_count; ++p) {
       std::memcpy(&level.Value(p, s), record + sizeof(key) + p * sizeof(float),
                   sizeof(float));
     }
   }
+  order_cell(count);
   FillPresent(level, count);
   dispatch::InDefaultFpMode([&] {
     if (levels_.codes != nullptr) FitMap(type_, levels_);

@@ -113,7 +113,7 @@ void BvhState::Allocate(const BvhRoom& room) {
   header.bytes = bytes;
   header.capacity = static_cast<std::uint32_t>(room.slots);
   header.id_room = static_cast<std::uint32_t>(room.ids);
-  header.unused = kNoId;
+  header.weights = dispatch::AxisWeights::kNone;
   for (float& base : levels_.map->base) base = 0;
   for (float& scale : levels_.map->scale) scale = 1;
 }
@@ -125,7 +125,7 @@ void BvhTree::Build(const Columns& objects, const BuildOptions& options) {
   CheckColumns(tree.type_, objects, "Bvh");
   const Rounded floats(tree.type_, tree.memory_, objects, objects.size, nullptr,
                        options.run);
-  tree.BuildIn({objects.size, 0, false}, floats.columns(), options);
+  tree.BuildIn({objects.size, 0, false}, floats.columns(), options, {});
 }
 
 void BvhTree::CheckBuild(std::size_t objects,
@@ -143,24 +143,36 @@ void BvhState::CheckBuild(std::size_t objects,
     dispatch::ThrowInvalid(kCall, "quality", "an enumerator of BuildQuality",
                            std::to_string(static_cast<int>(quality)));
   }
+  if (!options.query_extents) return;
+  for (std::size_t k = 0; k < type_.dims; ++k) {
+    dispatch::CheckLength(kCall, "query_extents", (*options.query_extents)[k]);
+  }
 }
 
 void BvhState::BuildIn(const BvhRoom& room, const Columns& objects,
-                       const BuildOptions& options) {
+                       const BuildOptions& options,
+                       const dispatch::AxisWeights& kept) {
   constexpr const char* kCall = "Bvh";
   CheckBuild(objects.size, options);
   const BvhKernels::OfPlanes& kernels =
       KernelsFor(type_, options.target, kCall);
   if (objects.size == 0) return Free();
+  const dispatch::AxisWeights weights =
+      kept.is_given && !options.query_extents
+          ? kept
+          : dispatch::WeightsOf(type_, objects, kernels, options.query_extents);
   if (IsSortedInRuns(objects.size, options)) {
-    BuildInRuns(room, objects, kernels, options);
+    BuildInRuns(room, objects, weights, kernels, options);
   } else {
     const Scratch scratch(memory_, objects.size * dispatch::kOrderScratch);
     Allocate(room);
-    const auto put_in_order = options.quality == BuildQuality::kFast
-                                  ? dispatch::OrderByCurve
-                                  : dispatch::OrderByMedians;
-    put_in_order(objects, kernels, scratch.data(), levels_.ids, options.run);
+    if (options.quality == BuildQuality::kFast) {
+      dispatch::OrderByCurve(type_, objects, weights, kernels, scratch.data(),
+                             levels_.ids, options.run);
+    } else {
+      dispatch::OrderByMedians(objects, weights, kernels, scratch.data(),
+                               levels_.ids, options.run);
+    }
     Truncate(type_, levels_, objects.size);
     FillPresent(levels_.level[0], objects.size);
     FillSlots(type_, levels_, objects, levels_.ids, kernels, options.run);
@@ -168,6 +180,7 @@ void BvhState::BuildIn(const BvhRoom& room, const Columns& objects,
   BvhHeader& header = this->header();
   header.slots = header.size = header.ids = header.sorted =
       static_cast<std::uint32_t>(objects.size);
+  header.weights = weights.Pack();
   dispatch::InDefaultFpMode([&] {
     for (std::size_t group = 0; group < GroupsOf(objects.size); ++group) {
       levels_.built[group] = AsIs(type_, levels_, GroupAt(levels_, group));

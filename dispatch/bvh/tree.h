@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <new>
 
+#include "dispatch/bvh/axes.h"
 #include "dispatch/bvh/layout.h"
 #include "dispatch/bvh/used_ids.h"
 #include "halfspace/bvh.h"
@@ -71,14 +72,20 @@ class BvhState {
   BvhRoom Room() const;
   void Allocate(const BvhRoom& room);
   void CheckBuild(std::size_t objects, const BuildOptions& options) const;
+  // `kept` are the weights of the options of an earlier build, if they were
+  // given.
   void BuildIn(const BvhRoom& room, const Columns& objects,
-               const BuildOptions& options);
+               const BuildOptions& options, const dispatch::AxisWeights& kept);
   // Builds in parts that fit into memory (runs.cc).
   std::size_t RunObjects(const BuildOptions& options) const;
   bool IsSortedInRuns(std::size_t objects, const BuildOptions& options) const;
   void BuildInRuns(const BvhRoom& room, const Columns& objects,
+                   const dispatch::AxisWeights& weights,
                    const BvhKernels::OfPlanes& kernels,
                    const BuildOptions& options);
+  void SortSlots(std::size_t begin, std::size_t end,
+                 const dispatch::AxisWeights& weights,
+                 const BvhKernels::OfPlanes& kernels, const Runner& run);
   // Throws if ids and slots contradict each other, as in an altered blob:
   // changes would write outside of the memory.
   void CheckLoaded(const char* call);

@@ -50,7 +50,7 @@
 #ifndef HALFSPACE_BVH_H_
 #define HALFSPACE_BVH_H_
 
-#include <array>  // std::data
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -72,18 +72,27 @@ enum class BuildQuality : std::uint8_t {
   // Splits at medians of the widest axis. O(n log n), about as long as the bulk
   // load of an R-tree.
   kHigh,
-  // Sorts along a Hilbert curve. O(n), about a fifth of the time. Queries of
-  // objects that are spread evenly take up to 1.4 times as long as with kHigh.
-  // Queries of uneven scenes take 2 to 4 times as long, and up to 390 times if
-  // nearly all objects share a few cells of the curve (docs/bvh.md). The curve
-  // has 1024 cells for each of 3 axes. They cover the region of most objects,
-  // and objects outside it share the outermost cells.
+  // Sorts along a Hilbert curve, and the objects of a cell of the curve that
+  // has more than 64 by medians. A third of the time, O(n), unless most objects
+  // are in crowded cells. Queries take up to 1.4 times as long as with kHigh if
+  // objects are spread evenly, and up to 3 times in uneven scenes (`./bench.sh
+  // --details worlds`).
   kFast,
 };
 
 // Options of a build and of Rebuild().
 struct BuildOptions {
   BuildQuality quality = BuildQuality::kHigh;
+  // The extents of a typical query on X, Y and Z, not negative: 0 for points,
+  // infinity where queries do not limit an axis. Only their ratios and those to
+  // the extents of the objects count. They decide which axis is cut, so queries
+  // of another form read more leaves. Give them if the axes have unlike units
+  // (degrees and meters, positions and time), if objects are points in a world
+  // that is much longer on one axis than on another, or if queries are long on
+  // some axes. Without them, queries are taken to be about as large as the
+  // objects (docs/choosing.md has measurements). The BVH keeps them: later
+  // sorts use them, and Rebuild() unless it gets others.
+  std::optional<std::array<float, 3>> query_extents = {};
   // The resource of a new BVH (memory.h). Rebuild() does not read it: a BVH
   // keeps its resource.
   MemoryResource memory = {};

@@ -31,10 +31,16 @@ class BVH(Searches):
         one-dimensional array, or an object with `__arrow_c_array__`. One box
         has the shape (6,) or (4,).
     quality : "high" or "fast"
-        "fast" builds in about a fifth of the time. Queries then take up to 1.4
-        times as long if the boxes are spread evenly. In uneven worlds they take 2 to 4
-        times as long, and up to 390 times if nearly all boxes are in a few places that
-        are far apart. Results are the same.
+        "fast" builds in about a third of the time. Queries then take up to 1.4
+        times as long if the boxes are spread evenly, and up to 3 times in uneven
+        worlds. Results are the same.
+    query_extents : array_like, shape (d,), optional
+        The extents of a typical query on each axis, not negative: 0 for points, inf
+        where queries do not limit an axis. They decide which axis is cut, so queries
+        of another form read more. Give them if the axes have unlike units (degrees and
+        meters, positions and time), if the boxes are points in a world that is much
+        longer on one axis than on another, or if queries are long on some axes. Without
+        them, queries are taken to be about as large as the boxes. `rebuild` keeps them.
     exact : bool
         Keeps the boxes as float64 next to the tree, and compares them: see Notes.
     threads : int or None
@@ -76,14 +82,16 @@ class BVH(Searches):
         boxes: Any,
         *,
         quality: str = "high",
+        query_extents: Any = None,
         exact: bool = False,
         threads: Optional[int] = 1,
         progress: Optional[Progress] = None,
     ) -> None:
         is_fast = _is_fast(quality)
         table = _arrays.boxes(boxes, "boxes", most=_arrays.MOST_OBJECTS)
+        how = is_fast, _extents(query_extents, table.columns // 2)
         self._tree = _halfspace.Tree(
-            table.arrays, is_fast, bool(exact), _arrays.threads(threads), progress
+            table.arrays, how, bool(exact), _arrays.threads(threads), progress
         )
 
     @classmethod
@@ -120,7 +128,13 @@ class BVH(Searches):
 
     @classmethod
     def from_chunks(
-        cls, path: Path, chunks: Iterable[Any], *, quality: str = "high", memory: int = 1 << 28
+        cls,
+        path: Path,
+        chunks: Iterable[Any],
+        *,
+        quality: str = "high",
+        query_extents: Any = None,
+        memory: int = 1 << 28,
     ) -> "BVH":
         """Writes a tree of more boxes than fit into memory to a file, and maps it.
 
@@ -133,7 +147,7 @@ class BVH(Searches):
         files, which the system can evict.
 
         The tree has the given quality if all boxes fit into one run, and otherwise it is
-        "fast". The call uses one thread. Ctrl-C ends it between two chunks, but not while
+        "fast". `query_extents` are those of `BVH`. The call uses one thread. Ctrl-C ends it between two chunks, but not while
         it sorts after the last one. Raises OSError if a file cannot be written.
         """
         if isinstance(chunks, np.ndarray):
@@ -148,9 +162,8 @@ class BVH(Searches):
                 table = _arrays.boxes(chunk, f"chunks[{i}]", dims)
                 if builder is None:
                     dims = table.columns // 2
-                    builder = _halfspace.FileBuilder(
-                        os.fsencode(where), dims, is_fast, memory
-                    )
+                    how = is_fast, _extents(query_extents, dims)
+                    builder = _halfspace.FileBuilder(os.fsencode(where), dims, how, memory)
                 builder.push(table.arrays)
             if builder is None:
                 raise ValueError("chunks: expected at least one array, got none")
@@ -451,12 +464,19 @@ class BVH(Searches):
             )
         self._tree.refit(table.arrays, _arrays.threads(threads), progress)
 
-    def rebuild(self, *, quality: str = "high", threads: Optional[int] = 1) -> None:
+    def rebuild(
+        self,
+        *,
+        quality: str = "high",
+        query_extents: Any = None,
+        threads: Optional[int] = 1,
+    ) -> None:
         """Sorts all objects again, and frees memory. Ids stay.
 
-        `quality` and `threads` are those of `BVH`.
+        The arguments are those of `BVH`. Without `query_extents`, the last ones stay.
         """
-        self._tree.rebuild(_is_fast(quality), _arrays.threads(threads))
+        how = _is_fast(quality), _extents(query_extents, self.dims)
+        self._tree.rebuild(how, _arrays.threads(threads))
 
     @property
     def cost_ratio(self) -> float:
@@ -583,6 +603,18 @@ def _is_fast(quality: Any) -> bool:
     if not isinstance(quality, str) or quality not in ("high", "fast"):
         raise ValueError(f'quality: expected "high" or "fast", got {quality!r}')
     return quality == "fast"
+
+
+def _extents(query_extents: Any, dims: int) -> np.ndarray:
+    if query_extents is None:
+        return np.empty(0, np.float32)
+    extents = np.asarray(query_extents, np.float64)
+    if extents.shape != (dims,) or not (extents >= 0).all():
+        raise ValueError(
+            f"query_extents: expected {dims} numbers that are not negative, got {query_extents!r}"
+        )
+    with np.errstate(over="ignore"):
+        return extents.astype(np.float32)
 
 
 def _load(

@@ -343,21 +343,40 @@ Value Ask(Tree& tree) {
   return value;
 }
 
-hs_bvh_config ConfigOf(std::size_t dims, bool is_fast = false) {
+// How to build: the quality, and the extents of a typical query or none.
+struct Build {
+  bool is_fast = false;
+  py::array_t<float, py::array::c_style> extents;
+
+  explicit Build(const py::tuple& from)
+      : is_fast(from[0].cast<bool>()),
+        extents(from[1].cast<py::array_t<float, py::array::c_style>>()) {}
+
+  hs_bvh_config Config(std::size_t dims) const;
+};
+
+hs_bvh_config ConfigOf(std::size_t dims) {
   hs_bvh_config config = DefaultOf(&hs_bvh_config_default);
   config.kind = dims == 2 ? HS_BOX2 : HS_BOX3;
-  config.quality = is_fast ? HS_QUALITY_FAST : HS_QUALITY_HIGH;
   return config;
 }
 
-Bvh Build(const hs_columns& boxes, std::size_t dims, bool is_fast, Work& work,
+hs_bvh_config Build::Config(std::size_t dims) const {
+  hs_bvh_config config = ConfigOf(dims);
+  config.quality = is_fast ? HS_QUALITY_FAST : HS_QUALITY_HIGH;
+  if (extents.size() != 0) config.query_extents = extents.data();
+  return config;
+}
+
+Bvh BvhOf(const hs_columns& boxes, const hs_bvh_config& how, Work& work,
           std::size_t progress_end) {
   const bool is_double = boxes.type == HS_FLOAT64;
   // Doubles are rounded, then centers, six splits, a sort and a copy; or
   // centers and a copy.
+  const bool is_fast = how.quality == HS_QUALITY_FAST;
   Threads threads{work, (is_double ? 1u : 0u) + (is_fast ? 2u : 9u),
                   progress_end, boxes.count};
-  hs_bvh_config config = ConfigOf(dims, is_fast);
+  hs_bvh_config config = how;
   config.run = &Threads::Run;
   config.run_context = &threads;
   hs_bvh* bvh = nullptr;
@@ -365,15 +384,16 @@ Bvh Build(const hs_columns& boxes, std::size_t dims, bool is_fast, Work& work,
   return Bvh(bvh);
 }
 
-std::unique_ptr<Tree> MakeTree(const py::tuple& arrays, bool is_fast,
+std::unique_ptr<Tree> MakeTree(const py::tuple& arrays, const py::tuple& how,
                                bool is_exact, std::size_t threads,
                                py::object progress) {
   const Columns boxes(arrays);
+  const Build build(how);
   Work work(threads, std::move(progress));
   auto tree = std::make_unique<Tree>();
   tree->dims = boxes.size / 2;
   const py::gil_scoped_release release;
-  tree->bvh = Build(boxes, tree->dims, is_fast, work, boxes.count);
+  tree->bvh = BvhOf(boxes, build.Config(tree->dims), work, boxes.count);
   tree->is_exact = is_exact;
   tree->Grow(boxes.count);
   tree->Store(nullptr, boxes);
@@ -426,9 +446,10 @@ void Save(Tree& tree, const std::string& path) {
 // another.
 class FileBuilder {
  public:
-  FileBuilder(const std::string& path, std::size_t dims, bool is_fast,
+  FileBuilder(const std::string& path, std::size_t dims, const py::tuple& how,
               std::size_t memory) {
-    const hs_bvh_config config = ConfigOf(dims, is_fast);
+    const Build build(how);
+    const hs_bvh_config config = build.Config(dims);
     hs_builder* builder = nullptr;
     CallFile([&] {
       return hs_builder_create_file(&config, PathOf(path), memory, &builder);
@@ -858,10 +879,11 @@ void SetMasks(Tree& tree, const ShortIds& ids, const ShortIds& masks) {
   });
 }
 
-void Rebuild(Tree& tree, bool is_fast, std::size_t threads) {
+void Rebuild(Tree& tree, const py::tuple& how, std::size_t threads) {
+  const Build build(how);
   Work work(threads, py::none());
   Threads its_threads{work, 9, 0, 0};
-  hs_bvh_config config = ConfigOf(tree.dims, is_fast);
+  hs_bvh_config config = build.Config(tree.dims);
   config.run = &Threads::Run;
   config.run_context = &its_threads;
   Change(tree, [&] {
@@ -972,7 +994,8 @@ void DefineTree(py::module_& module) {
            })
       .def_readonly("changes", &Tree::changes);
   py::class_<FileBuilder>(module, "FileBuilder")
-      .def(py::init<const std::string&, std::size_t, bool, std::size_t>())
+      .def(py::init<const std::string&, std::size_t, const py::tuple&,
+                    std::size_t>())
       .def("push", &FileBuilder::Push)
       .def("finish", &FileBuilder::Finish);
   py::class_<Changing>(module, "Changing")

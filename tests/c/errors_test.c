@@ -182,6 +182,7 @@ static void test_configurations(void) {
   hs_scan* scan = NULL;
   hs_pair_events* events = NULL;
   float bounds[8];
+  const float wrong_extents[3] = {0, -1, 0};
   CHECK(hs_bound_values((hs_kind)7) == 0);
   INVALID(hs_bvh_create, (&config, &columns, &bvh),
           "config->kind: expected an enumerator of hs_kind, got 0");
@@ -193,6 +194,11 @@ static void test_configurations(void) {
   INVALID(hs_builder_create, (&config, &builder),
           "config->quality: expected an enumerator of hs_quality, got 2");
   config.quality = HS_QUALITY_HIGH;
+  config.query_extents = wrong_extents;
+  INVALID(hs_bvh_create, (&config, &columns, &bvh),
+          "config->query_extents: expected numbers that are not negative, got "
+          "-1 on axis 1");
+  config.query_extents = NULL;
   config.target = "avx9";
   INVALID(hs_bvh_create, (&config, &columns, &bvh),
           "config->target: expected null or a name of hs_target_name(), got "

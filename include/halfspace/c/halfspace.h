@@ -410,7 +410,7 @@ typedef struct hs_bvh hs_bvh;
 // Build quality. It changes the cost of queries, never their results.
 typedef enum hs_quality HALFSPACE_INT {
   HS_QUALITY_HIGH = 0,  // about as long as the bulk load of an R-tree
-  HS_QUALITY_FAST = 1   // about a fifth of the time. Queries take up to 1.4
+  HS_QUALITY_FAST = 1   // about a third of the time. Queries take up to 1.4
                         // times as long, and longer in uneven worlds: see
                         // BuildQuality in bvh.h.
 } hs_quality;
@@ -432,6 +432,12 @@ typedef struct hs_bvh_config {
   hs_run_function run;  // null: the calling thread does all work
   void* run_context;
   hs_allocator allocator;
+  const float* query_extents;  // null: queries are about as large as the
+                               // objects. Or d numbers that are not negative:
+                               // the extents of a typical query. INFINITY where
+                               // queries do not limit an axis.
+                               // BuildOptions::query_extents (bvh.h) says when
+                               // to give them. Read during the call.
 } hs_bvh_config;
 
 HALFSPACE_API hs_status hs_bvh_config_default(hs_bvh_config* config,
@@ -541,8 +547,8 @@ HALFSPACE_API hs_status hs_bvh_refit(hs_bvh* bvh, const hs_columns* objects,
                                      hs_run_function run, void* run_context);
 
 // Sorts all objects again and frees memory that is not needed. Ids stay.
-// `config` may be null; its `quality`, `target`, `run` and `run_context` are
-// read.
+// `config` may be null; its `quality`, `target`, `run`, `run_context` and
+// `query_extents` are read. If these are null, those of an earlier call stay.
 HALFSPACE_API hs_status hs_bvh_rebuild(hs_bvh* bvh,
                                        const hs_bvh_config* config);
 

@@ -58,6 +58,7 @@ from dask.highlevelgraph import HighLevelGraph
 
 import halfspace as hs
 from halfspace import _arrays
+from halfspace._bvh import _extents
 from halfspace.dask import _tasks
 from halfspace.dask._partitions import Top
 from halfspace.dask._run import Placed, Runner, Tasks, cluster
@@ -87,6 +88,8 @@ class BVH(Lazy, dask.base.DaskMethodsMixin):
     mapped      whether workers keep trees in files that they map: True, False, or by
                 default None: if all trees need more than half of the workers' memory
 
+    query_extents  those of a typical query, as of `halfspace.BVH`
+
     `persist()` builds it on the cluster, and returns a tree that refers to the built
     partitions. Without it, each computation builds them again. `compute()` returns one
     `halfspace.BVH` of all boxes, which `dask.delayed` functions also receive. A task can
@@ -96,7 +99,7 @@ class BVH(Lazy, dask.base.DaskMethodsMixin):
     """
 
     def __init__(self, boxes, partitions: int | None = None, *, balance: str = "pairs",
-                 mapped: bool | None = None):
+                 mapped: bool | None = None, query_extents=None):
         if balance not in ("pairs", "objects"):
             raise ValueError(f"balance must be 'pairs' or 'objects', not {balance!r}")
         if mapped not in (True, False, None):
@@ -106,6 +109,9 @@ class BVH(Lazy, dask.base.DaskMethodsMixin):
                                  "partitions")
         source = source_of(boxes, "boxes", (4, 6))
         self._width = source.width
+        if query_extents is not None:
+            dims = len(query_extents) if source.width is None else source.width // 2
+            query_extents = _extents(query_extents, dims).tolist()
         self._size = None if source.sizes is None else sum(source.sizes)
         is_small = memory == 0
         if self._size is not None:
@@ -119,10 +125,10 @@ class BVH(Lazy, dask.base.DaskMethodsMixin):
         tasks = Tasks("bvh")
         most = -(-_SAMPLE_PER_PARTITION * count // len(source.keys))
         plan = tasks.add(_tasks.plan_of, tasks.each_chunk(samples, _tasks.sample, most), count,
-                         balance == "pairs")
+                         balance == "pairs", query_extents)
         sent = tasks.each_chunk(source, _tasks.distribute, plan)
         for p, pieces in enumerate(zip(*tasks.send(sent, count))):
-            tasks[tasks.name, p] = (_tasks.build, list(pieces), bool(mapped))
+            tasks[tasks.name, p] = (_tasks.build, list(pieces), bool(mapped), query_extents)
         tasks[tasks.name, count] = (
             Top.of, [tasks.add(_tasks.about, (tasks.name, p)) for p in range(count)])
         super().__init__(tasks.name, tasks, source.collections + samples.collections)

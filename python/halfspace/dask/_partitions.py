@@ -33,7 +33,7 @@ def centers_of(boxes: np.ndarray) -> np.ndarray:
                 np.multiply(high, 0.5, dtype=np.float64, order="C"))
 
 
-def split_sample(boxes, stands_for, partitions: int, by_pairs: bool):
+def split_sample(boxes, stands_for, partitions: int, by_pairs: bool, query_extents=None):
     """Splits a sample into partitions of about equal work. By pairs, half of the weight
     of a box is for the objects that it stands for, and half for their pairs. So no
     partition has more than twice its share of either, as far as the sample tells."""
@@ -49,7 +49,27 @@ def split_sample(boxes, stands_for, partitions: int, by_pairs: bool):
         weights = weights / 2 + pairs / max(1, pairs.sum()) / 2
     centers = centers_of(boxes)
     some = np.isfinite(centers).all(axis=0)
-    return _split_at_medians(centers[:, some].T, weights[some], 0, partitions)
+    points = centers[:, some].T
+    units = _units(points, boxes[some], query_extents)
+    return _split_at_medians(points, weights[some], 0, partitions, units)
+
+
+def _units(points, boxes, query_extents) -> np.ndarray:
+    """What the width of a partition on each axis is divided by: the extent of a typical
+    query and box, as `halfspace.BVH` has them."""
+    low, high = np.split(boxes.astype(np.float64), 2, axis=1)
+    if not len(points):
+        return np.ones(low.shape[1])
+    extents = np.median(high - low, axis=0)
+    width = np.ptp(np.percentile(points, (5, 95), axis=0), axis=0)
+    if query_extents is not None:
+        units = extents + np.asarray(query_extents, np.float64)
+    else:
+        some = (extents > 0) & (width > 0)
+        share = (extents[some] / np.sqrt(width[some])).min() if some.any() else 1
+        units = extents + share * np.sqrt(width)
+    units = np.maximum(units, width * 2.0**-20)
+    return np.where(units > 0, units, 1)
 
 
 def _estimate_pairs(boxes, stands_for: float) -> np.ndarray:
@@ -67,16 +87,16 @@ def _estimate_pairs(boxes, stands_for: float) -> np.ndarray:
     return np.where(found < 16, near, found * stands_for)
 
 
-def _split_at_medians(points, weights, first: int, count: int):
+def _split_at_medians(points, weights, first: int, count: int, units):
     """Splits points into the partitions from `first` on, of about equal weight, at the
-    weighted median of the widest axis. Its width is that between the 5th and the 95th
-    percentile: a few objects far away choose no axis."""
+    weighted median of the axis that is widest in its unit. Its width is that between the
+    5th and the 95th percentile: a few objects far away choose no axis."""
     if count == 1:
         return first
     axis, value = 0, 0.0
     if len(points):
         low, high = np.percentile(points, (5, 95), axis=0)
-        axis = int(np.argmax(high - low))
+        axis = int(np.argmax((high - low) / units))
         order = np.argsort(points[:, axis], kind="stable")
         points, weights = points[order], weights[order]
         sums = np.cumsum(weights)
@@ -84,8 +104,9 @@ def _split_at_medians(points, weights, first: int, count: int):
         value = float(points[min(middle + 1, len(points) - 1), axis])
     is_low = points[:, axis] < value
     half = count // 2
-    return (axis, value, _split_at_medians(points[is_low], weights[is_low], first, half),
-            _split_at_medians(points[~is_low], weights[~is_low], first + half, count - half))
+    return (axis, value, _split_at_medians(points[is_low], weights[is_low], first, half, units),
+            _split_at_medians(points[~is_low], weights[~is_low], first + half, count - half,
+                              units))
 
 
 @dataclasses.dataclass(frozen=True)

@@ -41,7 +41,7 @@ def sample(boxes, first: int, most: int):
     return boxes[np.sort(rows)], np.full(count, len(boxes) / max(1, count)), len(boxes)
 
 
-def plan_of(samples: list, partitions: int, by_pairs: bool) -> tuple:
+def plan_of(samples: list, partitions: int, by_pairs: bool, query_extents=None) -> tuple:
     """Returns how to split rows, and the first row of each chunk."""
     boxes, stands_for, lengths = zip(*samples)
     width = boxes[0].shape[1]
@@ -50,7 +50,7 @@ def plan_of(samples: list, partitions: int, by_pairs: bool) -> tuple:
             raise ValueError(f"in chunk {chunk}: boxes have the shape (n, {some.shape[1]}), "
                              f"and those in chunk 0 (n, {width})")
     return split_sample(np.concatenate(boxes), np.concatenate(stands_for), partitions,
-                        by_pairs), sum_up(lengths)
+                        by_pairs, query_extents), sum_up(lengths)
 
 
 @of_chunk("boxes")
@@ -61,10 +61,10 @@ def distribute(boxes, first: int, plan: tuple) -> Routed:
                   np.array(sum_up(map(len, rows))))
 
 
-def build(pieces, mapped: bool) -> Partition:
+def build(pieces, mapped: bool, query_extents=None) -> Partition:
     boxes, rows = concatenate(pieces)
     try:
-        tree = hs.BVH(boxes)
+        tree = hs.BVH(boxes, query_extents=query_extents)
     except ValueError:
         for box, row in zip(boxes, rows):  # by its row in the source, not in its partition
             _arrays.boxes(box, f"row {row} of boxes")

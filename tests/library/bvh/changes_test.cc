@@ -443,6 +443,104 @@ TEST(BvhOrderTest, ALeafHasNeighboursOnALine) {
   }
 }
 
+// The leaves that a query reads on average, around a sample of the objects.
+double LeavesOfQueries(const AabbBvh3& bvh, const std::vector<Aabb3>& boxes,
+                       const std::array<float, 3>& extents) {
+  constexpr std::size_t kQueries = 100;
+  QueryStatistics statistics;
+  for (std::size_t q = 0; q < kQueries; ++q) {
+    Aabb3 query = boxes[q * (boxes.size() / kQueries)];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float center = (query.min[k] + query.max[k]) / 2;
+      query.min[k] = center - extents[k] / 2;
+      query.max[k] = center + extents[k] / 2;
+    }
+    std::ignore = CountSurvivors(bvh, query, {.statistics = &statistics});
+  }
+  return static_cast<double>(statistics.leaves) / kQueries;
+}
+
+struct UnevenWorld {
+  const char* name;
+  // Of objects, before they are moved by `offset`: 0 or this on each axis.
+  std::array<float, 3> world;
+  float offset;
+  std::array<float, 3> object;
+  std::array<float, 3> query;
+  // The most leaves that a query may read: with the extents of the query, and
+  // without. A world of 20 000 objects has 313.
+  double told;
+  double not_told;
+};
+constexpr UnevenWorld kUnevenWorlds[] = {
+    {"points, any height", {1, 1, 1e4f}, 0, {}, {0.02f, 0.02f, kInf}, 5, 160},
+    {"points, degrees and time", {360, 180, 1e6f}, 0, {}, {9, 4, 3e4f}, 6, 16},
+    {"tall boxes",
+     {1, 1, 1e4f},
+     0,
+     {5e-3f, 5e-3f, 50},
+     {.02f, .02f, 200},
+     8,
+     8},
+    {"degrees, meters",
+     {10, 10, 2e3f},
+     0,
+     {2e-3f, 2e-3f, 20},
+     {1, 1, 90},
+     6,
+     9},
+    {"corridor", {1e5f, 100, 30}, 0, {1, 1, 1}, {40, 40, 40}, 4, 5},
+    {"terrain", {4e3f, 4e3f, 100}, 0, {2, 2, 2}, {60, 60, 60}, 4, 4},
+    {"clusters far apart", {1, 1, 1}, 1e3f, {}, {0.05f, 0.05f, 0.05f}, 4, 4},
+    {"rooms far apart",
+     {10, 10, 3},
+     1e5f,
+     {.1f, .1f, .1f},
+     {.5f, .5f, .5f},
+     5,
+     5},
+};
+
+// kFast reads up to three times as many leaves. Each change of the order keeps
+// the extents.
+TEST(BvhOrderTest, UnevenWorldsAreOrderedForTheirQueries) {
+  for (const UnevenWorld& uneven : kUnevenWorlds) {
+    SCOPED_TRACE(uneven.name);
+    Random random(1);
+    std::uniform_real_distribution<float> unit;
+    std::vector<Aabb3> boxes(20'000);
+    for (Aabb3& box : boxes) {
+      const float offset = random() % 2 == 0 ? 0 : uneven.offset;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const float at = offset + uneven.world[k] * unit(random);
+        box.min[k] = at;
+        box.max[k] = at + uneven.object[k] * unit(random);
+      }
+    }
+    const auto leaves = [&](const AabbBvh3& bvh) {
+      return LeavesOfQueries(bvh, boxes, uneven.query);
+    };
+    EXPECT_LE(leaves(AabbBvh3(boxes)), uneven.not_told);
+    EXPECT_LE(leaves(AabbBvh3(boxes, {.quality = BuildQuality::kFast})),
+              3 * uneven.not_told);
+    EXPECT_LE(leaves(AabbBvh3(boxes, {.quality = BuildQuality::kFast,
+                                      .query_extents = uneven.query})),
+              3 * uneven.told);
+    AabbBvh3 told(boxes, {.query_extents = uneven.query});
+    EXPECT_LE(leaves(told), uneven.told);
+    AabbBvh3 loaded = AabbBvh3::FromBlob(told.Blob());
+    loaded.Rebuild();
+    EXPECT_LE(leaves(loaded), uneven.told);
+    // All objects exchange their places.
+    std::vector<Aabb3> moved(boxes.rbegin(), boxes.rend());
+    loaded.Refit(moved);
+    loaded.RebuildPartial(loaded.size());
+    EXPECT_LE(leaves(loaded), uneven.told);
+    loaded.Rebuild({.query_extents = std::array<float, 3>{kInf, kInf, 0}});
+    EXPECT_GT(leaves(loaded), leaves(told));
+  }
+}
+
 TEST(BvhOrderTest, TheCostRatioIsInfiniteOnlyBeforeTheFirstOrder) {
   AabbBvh3 bvh;
   Spread spread(1.0f);

@@ -83,6 +83,11 @@ TEST_F(BvhErrorsTest, OptionsAreChecked) {
     EXPECT_REFUSED((AabbBvh3(world, options)), "Bvh: ", name);
     EXPECT_REFUSED((bvh_.Rebuild(options)), "Bvh: ", name);
   }
+  for (float wrong : {-1.0f, std::numeric_limits<float>::quiet_NaN()}) {
+    const BuildOptions options{.query_extents = {{0, wrong, 0}}};
+    EXPECT_REFUSED((AabbBvh3(world, options)), "Bvh: ", "query_extents");
+    EXPECT_REFUSED((bvh_.Rebuild(options)), "Bvh: ", "query_extents");
+  }
   AabbView3 view = world.view();
   view.max[1] = nullptr;
   EXPECT_REFUSED((AabbBvh3(view)), "Bvh", "world.max[1]", "null");
