@@ -48,7 +48,11 @@ constexpr Recipe kRecipes[] = {
     {"bepu",
      [](Random& random) { return 1.0f + 99.0f * TenthPower(random); },
      {585, 47000},
-     [](Random& random) { return 10.0f / 60.0f * TenthPower(random); }}};
+     [](Random& random) { return 10.0f / 60.0f * TenthPower(random); }},
+    {"fast",
+     [](Random&) { return 1.0f; },
+     {10, 10},
+     [](Random&) { return 2.0f; }}};
 
 const Recipe& RecipeOf(BodyKind kind) {
   return kRecipes[static_cast<std::size_t>(kind)];

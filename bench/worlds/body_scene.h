@@ -20,6 +20,7 @@ enum class BodyKind {
   kPile,       // a lattice of sides 1 that touch, and tremble
   kLogNormal,  // as dense as the gas
   kBepu,       // sides of 1 + 99 x^10, about as many pairs as bodies
+  kFast,       // sides of 1, a tenth of the space, up to 2 sides in a frame
 };
 const char* NameOf(BodyKind kind);
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kLoad = "BroadPhase::Load";
 constexpr char kMagic[8] = {'h', 'a', 'l', 'f', 'b', 'o', 'd', 'y'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 // After the header come the blob of the tree, the pairs, the collides_with
 // masks, and the ids of bodies that changed since the last UpdatePairs() and
@@ -27,10 +27,10 @@ struct alignas(64) SaveHeader {
   std::uint64_t pairs;
   std::uint64_t collides_with;
   std::uint64_t changed;
-  std::uint32_t changed_for_order;
-  std::uint32_t changes;  // BroadPhaseState::changes
+  std::uint64_t changed_for_order;
+  Wear wear;
 };
-static_assert(sizeof(SaveHeader) == 64);
+static_assert(sizeof(SaveHeader) == 128 && sizeof(Wear) == 16);
 
 constexpr std::size_t kAlignment = 64;
 constexpr std::size_t Padded(std::size_t bytes) {
@@ -82,7 +82,7 @@ BroadPhaseCore::BroadPhaseCore(const BroadPhaseCore& other)
   state_->Adopt(BvhTree(from.tree, from.options.memory));
   state_->events = PairEventsCore(from.events, from.options.memory);
   state_->collides_with = from.collides_with;
-  state_->changes = from.changes;
+  state_->wear = from.wear;
   for (const auto set : {Records::kForPairs, Records::kForOrder}) {
     from.records.ForEachOf(set, [&](std::uint32_t id) {
       state_->records.Reserve({&id, 1});  // no body may have it
@@ -117,9 +117,8 @@ void BroadPhaseCore::Save(SaveFunction function, void* context) const {
   header.pairs = pairs.size();
   header.collides_with = state.collides_with.size();
   header.changed = changed.size();
-  header.changed_for_order =
-      static_cast<std::uint32_t>(changed_for_order.size());
-  header.changes = static_cast<std::uint32_t>(state.changes);
+  header.changed_for_order = changed_for_order.size();
+  header.wear = state.wear;
   function(context, BytesOf(&header, 1));
   for (const Span<const std::byte>& part : parts) {
     constexpr std::byte kPadding[kAlignment] = {};
@@ -173,7 +172,7 @@ void BroadPhaseCore::Load(Span<const std::byte> bytes) {
   to.records.ReserveList(std::max(id_limit, tree.id_limit()));
   to.Adopt(std::move(tree));
   to.events.Load(pairs);
-  to.changes = header.changes;
+  to.wear = header.wear;
   to.collides_with.assign(collides_with.begin(), collides_with.end());
   if (!collides_with.empty() && collides_with.size() < to.tree.id_limit()) {
     ThrowNotSaved("a mask for each id",

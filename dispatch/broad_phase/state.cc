@@ -145,7 +145,7 @@ void BroadPhaseState::Swap(BroadPhaseState& other) {
   size.store(other.size.exchange(size));
   swap(tree, other.tree);
   swap(events, other.events);
-  std::swap(changes, other.changes);
+  std::swap(wear, other.wear);
   std::swap(is_sorted_enough, other.is_sorted_enough);
   changed_slots.swap(other.changed_slots);
   collides_with.swap(other.collides_with);

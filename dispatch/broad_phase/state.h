@@ -22,6 +22,17 @@
 
 namespace halfspace::detail {
 
+// What Update() has not sorted yet, and what that has cost.
+struct Wear {
+  // For which Update() has not sorted yet, without those of kForOrder.
+  std::uint32_t changes = 0;
+  // With changes, since all were sorted.
+  std::uint32_t updates = 0;
+  // What the decay of the order has cost since all were sorted, in searches for
+  // all pairs in the order as sorted.
+  double cost = 0;
+};
+
 class BroadPhaseState {
  public:
   BroadPhaseState(const BvhType& its_type, const BroadPhaseOptions& with)
@@ -81,8 +92,7 @@ class BroadPhaseState {
   // Written with exclusive access.
   BvhTree tree;
   PairEventsCore events;
-  // Changes for which Update() has not sorted yet, without those of kForOrder.
-  std::size_t changes = 0;
+  Wear wear;
   // Whether an Update() with an automatic budget would compute the cost ratio
   // again and sort nothing, because no body has changed since the last one.
   bool is_sorted_enough = false;

@@ -465,12 +465,12 @@ void BvhState::SortDue(std::size_t added, const char* call) {
   const bool is_all = first == 0;
 #if defined(__cpp_exceptions)
   try {
-    Resort(call, {&range, 1});
+    Resort(call, {&range, 1}, BuildQuality::kHigh, Runner());
   } catch (const std::bad_alloc&) {
     return;
   }
 #else
-  Resort(call, {&range, 1});
+  Resort(call, {&range, 1}, BuildQuality::kHigh, Runner());
 #endif
   if (is_all) {
     header().sorted = header().size;

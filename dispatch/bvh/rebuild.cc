@@ -178,7 +178,18 @@ void BvhTree::Rebuild(const BuildOptions& options) {
   tree.Swap(sorted);
 }
 
-std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges) {
+void BvhState::SortAll(const char* call, BuildQuality quality,
+                       const Runner& run) {
+  if (slots() == 0) return;
+  CheckChange(call);
+  const SlotRange all = {0, slots()};
+  Resort(call, {&all, 1}, quality, run);
+  header().sorted = header().slots;
+  header().inserted = 0;
+}
+
+std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges,
+                             BuildQuality quality, const Runner& run) {
   const BvhKernels::OfPlanes& kernels = KernelsFor(type_, Target(), call);
   const Gathered gathered(type_, memory_, levels_, ranges);
   const Columns& columns = gathered.columns();
@@ -191,8 +202,13 @@ std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges) {
       (is_all && !weights.is_given)) {
     weights = dispatch::WeightsOf(type_, columns, kernels, std::nullopt);
   }
-  dispatch::OrderByMedians(columns, weights, kernels, scratch.data(), elements,
-                           Runner());
+  if (quality == BuildQuality::kFast) {
+    dispatch::OrderByCurve(type_, columns, weights, kernels, scratch.data(),
+                           elements, run);
+  } else {
+    dispatch::OrderByMedians(columns, weights, kernels, scratch.data(),
+                             elements, run);
+  }
   Prepare(call, {});
   if (is_all) header().weights = weights.Pack();
   const BvhLevel& level = levels_.level[0];
@@ -281,7 +297,7 @@ void BvhState::CloseGaps() {
   });
 }
 
-std::size_t BvhTree::RebuildPartial(std::size_t objects) {
+std::size_t BvhTree::RebuildPartial(std::size_t objects, const Runner& run) {
   BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::RebuildPartial";
   if (tree.slots() == 0 || objects == 0 || tree.levels_.count == 1) return 0;
@@ -346,7 +362,7 @@ std::size_t BvhTree::RebuildPartial(std::size_t objects) {
   for (std::size_t w = 0; w < bad; ++w) {
     ranges[w] = GroupAt(tree.levels_, worn[w].group);
   }
-  return tree.Resort(kCall, {ranges, bad});
+  return tree.Resort(kCall, {ranges, bad}, BuildQuality::kHigh, run);
 }
 
 }  // namespace halfspace::detail

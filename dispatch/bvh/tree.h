@@ -51,6 +51,8 @@ class BvhState {
   // After a change, for a caller that sorts by itself: insertions until now do
   // not count towards a sort of all.
   void PutOffSort() { header().inserted = 0; }
+  // As Rebuild(), in the memory of the tree, whose pages are there.
+  void SortAll(const char* call, BuildQuality quality, const Runner& run);
   void EncodePath(std::size_t slot, bool is_new_block = false);
   void EncodeTouched(std::uint64_t* changed);
   static std::size_t WordsOfChanges(std::size_t slots);
@@ -118,7 +120,8 @@ class BvhState {
   // Sorts the objects of some slots into the first of these slots, after
   // Prepare(). Ranges ascend and begin at blocks. Returns the number of
   // objects.
-  std::size_t Resort(const char* call, Span<const SlotRange> ranges);
+  std::size_t Resort(const char* call, Span<const SlotRange> ranges,
+                     BuildQuality quality, const Runner& run);
   void CloseGaps();
 
   BvhType type_;

@@ -431,9 +431,9 @@ class Bvh {
   // more than 8 times as large, or as small, are left out, unless there is room
   // for all. Groups that are sorted together exchange their objects. Returns
   // the number of objects sorted, and 0 if no group has grown. Takes 0.1 to 0.3
-  // us per object.
-  std::size_t RebuildPartial(std::size_t objects) {
-    return tree_.RebuildPartial(objects);
+  // us per object. `run` is BuildOptions::run.
+  std::size_t RebuildPartial(std::size_t objects, const Runner& run = {}) {
+    return tree_.RebuildPartial(objects, run);
   }
 
   // The BVH as bytes, to store or to map: its block of memory itself. Valid

@@ -115,7 +115,8 @@ class BroadPhase(Searches):
 
         Copies the boxes that moved into the tree, and sorts bodies again where
         the order has decayed. It changes no result. `budget` is about how many
-        bodies are sorted again. 0 sorts none. None is a 16th of all.
+        bodies are sorted again. 0 sorts none. None is a 16th of all, or all if
+        bodies are so fast that parts do not keep up.
         """
         self._tree.update(_arrays.budget(budget), _arrays.threads(threads))
 

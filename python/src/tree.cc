@@ -355,15 +355,15 @@ struct Build {
   hs_bvh_config Config(std::size_t dims) const;
 };
 
-hs_bvh_config ConfigOf(std::size_t dims) {
+hs_bvh_config ConfigOf(std::size_t dims, bool is_fast = false) {
   hs_bvh_config config = DefaultOf(&hs_bvh_config_default);
   config.kind = dims == 2 ? HS_BOX2 : HS_BOX3;
+  config.quality = is_fast ? HS_QUALITY_FAST : HS_QUALITY_HIGH;
   return config;
 }
 
 hs_bvh_config Build::Config(std::size_t dims) const {
-  hs_bvh_config config = ConfigOf(dims);
-  config.quality = is_fast ? HS_QUALITY_FAST : HS_QUALITY_HIGH;
+  hs_bvh_config config = ConfigOf(dims, is_fast);
   if (extents.size() != 0) config.query_extents = extents.data();
   return config;
 }
@@ -612,8 +612,9 @@ Ids QueryByJoin(Tree& tree, const py::tuple& arrays, const py::tuple& how) {
     for (std::size_t first = 0; first < boxes.count; first += most) {
       Columns some = boxes;
       static_cast<hs_columns&>(some) = boxes.Rows(first, most);
-      const Bvh queries = Build(some, tree.dims, /*is_fast=*/true, building,
-                                /*progress_end=*/0);
+      const Bvh queries =
+          BvhOf(some, ConfigOf(tree.dims, /*is_fast=*/true), building,
+                /*progress_end=*/0);
       std::vector<double> rows(tree.is_exact ? some.size * some.count : 0);
       if (tree.is_exact) ReadRows(some, nullptr, rows.data());
       const std::size_t end = first + some.count;
@@ -931,8 +932,8 @@ std::vector<std::uint32_t> OrderByPlace(const Columns& records,
     for (std::size_t k = 0; k < dims; ++k) {
       points.column[dims + k] = points.column[k];
     }
-    const Bvh bvh =
-        Build(points, dims, /*is_fast=*/true, work, /*progress_end=*/0);
+    const Bvh bvh = BvhOf(points, ConfigOf(dims, /*is_fast=*/true), work,
+                          /*progress_end=*/0);
     std::array<float, 6> everything;
     Check(hs_bvh_bounds(bvh.get(), everything.data()));
     // Rays from one camera start at one place: no order helps. Doubles at one

@@ -1087,7 +1087,8 @@ typedef struct hs_update_options {
   size_t struct_size;
   size_t budget;  // hs_broad_phase_update() alone: if the order has decayed,
                   // sorts about so many bodies again. 0 sorts none. SIZE_MAX,
-                  // the default, is a 16th of all.
+                  // the default, is a 16th of all, or all if bodies are so
+                  // fast that parts do not keep up.
   hs_run_function run;  // null: the calling thread does all work
   void* run_context;
 } hs_update_options;

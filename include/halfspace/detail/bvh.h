@@ -208,7 +208,7 @@ class HALFSPACE_API BvhTree {
 
   double CostRatio() const;
   void Rebuild(const BuildOptions& options);
-  std::size_t RebuildPartial(std::size_t objects);
+  std::size_t RebuildPartial(std::size_t objects, const Runner& run = {});
 
   // The queries of bvh.h. One query, several, and several bounds. Any() returns
   // whether there is one, and its id.
