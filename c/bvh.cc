@@ -66,15 +66,16 @@ BuildQuality ReadQuality(const Call& call, hs_quality quality) {
 }
 
 std::optional<std::array<float, 3>> ReadExtents(const Call& call,
+                                                const char* argument,
                                                 const PlaneLayout& layout,
                                                 const float* extents) {
   if (extents == nullptr) return std::nullopt;
-  call.CheckArray("config->query_extents", extents, layout.dims);
+  call.CheckArray(argument, extents, layout.dims);
   std::array<float, 3> read{};
   for (std::size_t k = 0; k < layout.dims; ++k) {
     read[k] = extents[k];
     if (read[k] >= 0) continue;
-    call.Fail(HS_INVALID_ARGUMENT, "config->query_extents",
+    call.Fail(HS_INVALID_ARGUMENT, argument,
               "expected numbers that are not negative, got %s on axis %zu",
               detail::NumberText(read[k]).c_str(), k);
   }
@@ -104,7 +105,8 @@ BvhConfig::BvhConfig(const Call& call, const hs_bvh_config* config) {
   options.quality = ReadQuality(call, read.quality);
   options.target = ReadTarget(call, "config", read.target);
   options.memory = ReadAllocator(call, read.allocator);
-  options.query_extents = ReadExtents(call, layout, read.query_extents);
+  options.query_extents =
+      ReadExtents(call, "config->query_extents", layout, read.query_extents);
 }
 
 NewBvh BuildBvh(const Call& call, const BvhConfig& config,
@@ -311,8 +313,8 @@ hs_status hs_bvh_rebuild(hs_bvh* bvh, const hs_bvh_config* config) {
     options.quality = halfspace::c::ReadQuality(call, read.quality);
     options.target = halfspace::c::ReadTarget(call, "config", read.target);
     options.run = threads.runner();
-    options.query_extents =
-        halfspace::c::ReadExtents(call, bvh->layout, read.query_extents);
+    options.query_extents = halfspace::c::ReadExtents(
+        call, "config->query_extents", bvh->layout, read.query_extents);
     bvh->core.Rebuild(options);
   });
 }
@@ -320,4 +322,20 @@ hs_status hs_bvh_rebuild(hs_bvh* bvh, const hs_bvh_config* config) {
 hs_status hs_bvh_cost_ratio(const hs_bvh* bvh, double* ratio) {
   return Get("hs_bvh_cost_ratio", "bvh", bvh, "ratio", ratio,
              [&] { return bvh->core.CostRatio(); });
+}
+
+hs_status hs_bvh_expected_leaves(const hs_bvh* bvh, const float* extents,
+                                 double* leaves) {
+  return Run("hs_bvh_expected_leaves", [&](const Call& call) {
+    call.CheckPointer("bvh", bvh);
+    if (!bvh->layout.has_max) {
+      call.Fail(HS_INVALID_ARGUMENT, "bvh",
+                "expected a BVH of boxes or octahedra, got one of simplices");
+    }
+    call.CheckPointer("extents", extents);
+    call.CheckPointer("leaves", leaves);
+    const auto read =
+        halfspace::c::ReadExtents(call, "extents", bvh->layout, extents);
+    *leaves = bvh->core.ExpectedLeaves({read->data(), read->size()});
+  });
 }

@@ -1,9 +1,9 @@
 #include "dispatch/bvh/axes.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <limits>
 
 #include "dispatch/default_fp_mode.h"
@@ -99,9 +99,10 @@ std::uint32_t AxisWeights::Pack() const {
   static_assert(kFieldBits * kCenterAxes < 32);
   std::uint32_t packed = is_given ? 1u << 31 : 0;
   for (std::size_t k = 0; k < kCenterAxes; ++k) {
-    const std::uint32_t half = 1u << (kDropped - 1);
-    packed |= (std::bit_cast<std::uint32_t>(weight[k]) + half) >>
-              kDropped << k * kFieldBits;
+    std::uint32_t bits;
+    std::memcpy(&bits, &weight[k], sizeof(bits));
+    bits += 1u << (kDropped - 1);
+    packed |= bits >> kDropped << k * kFieldBits;
   }
   return packed;
 }
@@ -110,11 +111,12 @@ AxisWeights AxisWeights::Unpack(std::uint32_t packed) {
   AxisWeights weights{};
   weights.is_given = packed != kNone && packed >> 31 != 0;
   for (std::size_t k = 0; k < kCenterAxes; ++k) {
+    // Those of an altered blob can be any.
+    constexpr std::uint32_t kOne = 0x3F800000;
     const std::uint32_t field =
         packed >> k * kFieldBits & ((1u << kFieldBits) - 1);
-    // Those of an altered blob can be any.
-    constexpr std::uint32_t kOne = std::bit_cast<std::uint32_t>(1.0f);
-    weights.weight[k] = std::bit_cast<float>(std::min(field << kDropped, kOne));
+    const std::uint32_t bits = std::min(field << kDropped, kOne);
+    std::memcpy(&weights.weight[k], &bits, sizeof(bits));
   }
   return weights;
 }

@@ -10,6 +10,7 @@
 #include "dispatch/bvh/scratch.h"
 #include "dispatch/bvh/tree.h"
 #include "dispatch/default_fp_mode.h"
+#include "dispatch/errors/number_checks.h"
 #include "halfspace/bvh.h"
 
 namespace halfspace::detail {
@@ -144,6 +145,37 @@ double BvhState::CostRatio() const {
 }
 
 double BvhTree::CostRatio() const { return BvhState::Of(*this).CostRatio(); }
+
+double BvhTree::ExpectedLeaves(Span<const float> extents) const {
+  const BvhState& tree = BvhState::Of(*this);
+  const PlaneLayout& layout = tree.type_;
+  for (std::size_t k = 0; k < layout.dims; ++k) {
+    dispatch::CheckLength("Bvh::ExpectedLeaves", "extents", extents[k]);
+  }
+  const std::size_t leaves = BlocksOf(tree.slots());
+  if (leaves <= 1) return static_cast<double>(leaves);
+  return dispatch::InDefaultFpMode([&] {
+    const BoundValues world = BoundOf(layout, tree.levels_, {0, tree.slots()});
+    double expected = 0;
+    for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
+      double share = 1;
+      for (std::size_t k = 0; k < layout.dims; ++k) {
+        const auto extent = [&](const auto& value) {
+          return double{value(layout.axes + k)} - value(k);
+        };
+        const double all = extent([&](std::size_t p) { return world[p]; });
+        const double own = extent([&](std::size_t p) {
+          return tree.levels_.level[1].Value(p, leaf);
+        });
+        // A leaf without objects has none, and an infinite one has all.
+        const double axis = (std::max(own, 0.0) + extents[k]) / all;
+        share *= own < 0 ? 0 : axis < 1 ? axis : 1;
+      }
+      expected += share;
+    }
+    return expected;
+  });
+}
 
 void BvhTree::Rebuild(const BuildOptions& options) {
   BvhState& tree = BvhState::Of(*this);
@@ -301,6 +333,12 @@ std::size_t BvhTree::RebuildPartial(std::size_t objects, const Runner& run) {
   BvhState& tree = BvhState::Of(*this);
   constexpr const char* kCall = "Bvh::RebuildPartial";
   if (tree.slots() == 0 || objects == 0 || tree.levels_.count == 1) return 0;
+  // Objects that were inserted are sorted with those that came with them, which
+  // can be anywhere: their groups have not grown.
+  if (objects >= tree.size() && tree.header().sorted != tree.slots()) {
+    tree.SortAll(kCall, BuildQuality::kHigh, run);
+    return tree.size();
+  }
   tree.CheckChange(kCall);
   const std::size_t groups = GroupsOf(tree.header().slots);
   const Scratch memory(tree.memory_, groups * sizeof(WornGroup));

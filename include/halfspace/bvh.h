@@ -420,6 +420,18 @@ class Bvh {
   // BVH of fewer than 256 objects that were inserted. O(n / 64).
   double CostRatio() const { return tree_.CostRatio(); }
 
+  // How many leaves a query of these extents reads on average, if it can be
+  // anywhere within Bounds(): the sum over the leaves of the products of (leaf
+  // + query) / world over X, Y and Z, each at most 1. Infinity is a query that
+  // does not limit the axis. A BVH in the right order reads a few leaves more
+  // than the results need. Many leaves: give query_extents, and see
+  // docs/bvh.md. Throws if an extent is negative or NaN. O(n / 64).
+  double ExpectedLeaves(
+      const std::array<float, Bound::kDimensions>& extents) const {
+    static_assert(detail::HasMax<Bound>, "simplices have no extents");
+    return tree_.ExpectedLeaves({extents.data(), extents.size()});
+  }
+
   // Sorts all objects, without empty slots between them, and gives memory
   // back: the block has no more room than the objects need, and 4.13 bytes for
   // each id up to the greatest in use. Ids stay.
@@ -429,9 +441,10 @@ class Bvh {
   // those that overlap it most and then with those that have grown most, about
   // `objects` objects in total and up to two groups at least. Groups that are
   // more than 8 times as large, or as small, are left out, unless there is room
-  // for all. Groups that are sorted together exchange their objects. Returns
-  // the number of objects sorted, and 0 if no group has grown. Takes 0.1 to 0.3
-  // us per object. `run` is BuildOptions::run.
+  // for all. Groups that are sorted together exchange their objects. If there
+  // is room for all, all are also sorted if some were inserted since the last
+  // time. Returns the number of objects sorted, and 0 if there is no reason to
+  // sort. Takes 0.1 to 0.3 us per object. `run` is BuildOptions::run.
   std::size_t RebuildPartial(std::size_t objects, const Runner& run = {}) {
     return tree_.RebuildPartial(objects, run);
   }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import mmap
 import os
 import pickle
+import warnings
 from typing import Any, Callable, Iterable, Iterator, Optional, Tuple, Type, Union
 
 import numpy as np
@@ -93,6 +94,8 @@ class BVH(Searches):
         self._tree = _halfspace.Tree(
             table.arrays, how, bool(exact), _arrays.threads(threads), progress
         )
+        if query_extents is None and len(self) >= 4096:
+            self._warn_of_long_axes()
 
     @classmethod
     def from_blob(cls, blob: Any, *, verify: bool = False) -> "BVH":
@@ -477,6 +480,44 @@ class BVH(Searches):
         """
         how = _is_fast(quality), _extents(query_extents, self.dims)
         self._tree.rebuild(how, _arrays.threads(threads))
+
+    def expected_leaves(self, query_extents: Any) -> float:
+        """How many leaves of 64 boxes a query of these extents reads on average, if it can
+        be anywhere within `bounds`: inf where it does not limit an axis.
+
+        If it is many more than the results need, pass `query_extents` to `BVH` or
+        `rebuild`. Takes O(n / 64).
+
+        Examples
+        --------
+        >>> import numpy as np, halfspace as hs
+        >>> rng = np.random.default_rng(0)
+        >>> points = rng.random((20000, 3)) * [1, 1, 10000]
+        >>> query = [0.02, 0.02, np.inf]
+        >>> tree = hs.BVH((points, points), query_extents=query)
+        >>> tree.expected_leaves(query) < 5
+        True
+        """
+        return self._tree.expected_leaves(_extents(query_extents, self.dims))
+
+    def _warn_of_long_axes(self) -> None:
+        # Points say nothing about their queries.
+        some = self.boxes(np.linspace(0, len(self) - 1, 64).astype(np.int64))
+        if np.any(np.median(some[:, self.dims :] - some[:, : self.dims], axis=0)):
+            return
+        leaves = -(-len(self) // 64)
+        lines = np.where(np.eye(self.dims, dtype=bool), np.inf, 0)
+        expected = [self.expected_leaves(line) for line in lines]
+        axis = int(np.argmax(expected))
+        if expected[axis] < 12 * leaves ** (1 / self.dims):
+            return
+        warnings.warn(
+            f"BVH: a query that does not limit axis {axis} reads about "
+            f"{expected[axis]:.0f} of {leaves} leaves. The boxes are points, which do not "
+            "say what their queries are like. Pass query_extents=, the extents of a typical "
+            "query",
+            stacklevel=3,
+        )
 
     @property
     def cost_ratio(self) -> float:

@@ -896,6 +896,14 @@ void Rebuild(Tree& tree, const py::tuple& how, std::size_t threads) {
   });
 }
 
+double ExpectedLeaves(Tree& tree,
+                      const py::array_t<float, py::array::c_style>& extents) {
+  const Reading reading(tree);
+  double leaves = 0;
+  Check(hs_bvh_expected_leaves(tree.get(), extents.data(), &leaves));
+  return leaves;
+}
+
 py::array_t<double> Doubles(Tree& tree) {
   const Reading reading(tree);
   return py::array_t<double>(Size(tree.doubles.size()), tree.doubles.data());
@@ -979,6 +987,7 @@ void DefineTree(py::module_& module) {
       .def("set_masks", &SetMasks)
       .def("rebuild", &Rebuild)
       .def("cost_ratio", &Ask<double, &hs_bvh_cost_ratio>)
+      .def("expected_leaves", &ExpectedLeaves)
       .def("changing",
            [](const py::object& self) {
              return Changing{self, self.cast<Tree*>()};

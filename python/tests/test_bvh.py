@@ -37,6 +37,27 @@ KINDS = {
 }
 
 
+def test_query_extents(rng):
+    points = rng.random((20000, 3)) * [1, 1, 10000]
+    line = [0.02, 0.02, np.inf]
+    for quality in "high", "fast":
+        with pytest.warns(UserWarning, match="does not limit axis 2.*query_extents"):
+            blind = hs.BVH((points, points), quality=quality)
+        told = hs.BVH((points, points), quality=quality, query_extents=line)
+        assert told.expected_leaves(line) < 8 < 80 < blind.expected_leaves(line)
+        boxes = np.hstack([points[:50] - 0.01, points[:50] + 0.01])
+        boxes[:, [2, 5]] = -np.inf, np.inf
+        blindly, knowingly = (as_matrix(tree.query(boxes), (50, 20000)) for tree in (blind, told))
+        assert (blindly == knowingly).all() and blindly.sum() >= 50
+        blind.rebuild(query_extents=line)
+        assert blind.expected_leaves(line) < 8
+        blind.rebuild()
+        assert blind.expected_leaves(line) < 8
+    for wrong in [1, 2], [1, 1, -1], [1, 1, np.nan], "abc":
+        with pytest.raises(ValueError, match="query_extents"):
+            hs.BVH(points[:5].repeat(2, 1).reshape(5, 6), query_extents=wrong)
+
+
 # More than 4095 queries are joined with a tree.
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(

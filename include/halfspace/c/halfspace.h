@@ -557,6 +557,14 @@ HALFSPACE_API hs_status hs_bvh_rebuild(hs_bvh* bvh,
 // O(n / 64).
 HALFSPACE_API hs_status hs_bvh_cost_ratio(const hs_bvh* bvh, double* ratio);
 
+// How many leaves of 64 objects a query reads on average, if it has these d
+// extents, INFINITY where it does not limit an axis, and can be anywhere within
+// hs_bvh_bounds(). Many leaves: give hs_bvh_config::query_extents. Not of
+// simplices. O(n / 64).
+HALFSPACE_API hs_status hs_bvh_expected_leaves(const hs_bvh* bvh,
+                                               const float* extents,
+                                               double* leaves);
+
 // The hierarchy: queries ------------------------------------------------------
 //
 // Broad phases have the same functions (hs_broad_phase_query() and so on), with

@@ -207,6 +207,8 @@ class HALFSPACE_API BvhTree {
   void Refit(const Columns& objects, bool is_by_id, const Runner& run);
 
   double CostRatio() const;
+  // Not of simplices.
+  double ExpectedLeaves(Span<const float> extents) const;
   void Rebuild(const BuildOptions& options);
   std::size_t RebuildPartial(std::size_t objects, const Runner& run = {});
 

@@ -460,6 +460,19 @@ double LeavesOfQueries(const AabbBvh3& bvh, const std::vector<Aabb3>& boxes,
   return static_cast<double>(statistics.leaves) / kQueries;
 }
 
+// Its newest objects are sorted with each other alone, so a query visits leaves
+// of each age.
+TEST(BvhOrderTest, APartialRebuildOfAllSortsWhatWasInserted) {
+  const std::vector<Aabb3> boxes = Spread(0.5f).Some(20'000);
+  AabbBvh3 filled;
+  for (const Aabb3& box : boxes) filled.Insert(box);
+  const double built = LeavesOfQueries(AabbBvh3(boxes), boxes, {});
+  EXPECT_GT(LeavesOfQueries(filled, boxes, {}), 1.5 * built);
+  EXPECT_EQ(filled.RebuildPartial(filled.size()), filled.size());
+  EXPECT_LE(LeavesOfQueries(filled, boxes, {}), 1.1 * built);
+  EXPECT_EQ(filled.RebuildPartial(filled.size()), 0u);
+}
+
 struct UnevenWorld {
   const char* name;
   // Of objects, before they are moved by `offset`: 0 or this on each axis.
@@ -528,6 +541,10 @@ TEST(BvhOrderTest, UnevenWorldsAreOrderedForTheirQueries) {
               3 * uneven.told);
     AabbBvh3 told(boxes, {.query_extents = uneven.query});
     EXPECT_LE(leaves(told), uneven.told);
+    // Queries are anywhere, and these at objects, which can be in few places.
+    if (uneven.offset == 0) {
+      EXPECT_NEAR(told.ExpectedLeaves(uneven.query) / leaves(told), 1, 0.3);
+    }
     AabbBvh3 loaded = AabbBvh3::FromBlob(told.Blob());
     loaded.Rebuild();
     EXPECT_LE(leaves(loaded), uneven.told);
