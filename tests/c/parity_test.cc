@@ -864,6 +864,17 @@ void CheckSame(const Bvh<View>& expected, const hs_bvh* bvh) {
   CHECK(SizeOf(&hs_bvh_size, bvh) == expected.size());
   CHECK(SizeOf(&hs_bvh_bytes, bvh) == expected.bytes());
   CHECK(Get<double>(&hs_bvh_cost_ratio, bvh) == expected.CostRatio());
+  constexpr std::array<float, 3> kExtents = {1, 0, INFINITY};
+  double leaves = 0;
+  if constexpr (detail::HasMax<typename View::Bound>) {
+    std::array<float, View::Bound::kDimensions> extents;
+    std::copy_n(kExtents.begin(), extents.size(), extents.begin());
+    CHECK_OK(hs_bvh_expected_leaves(bvh, kExtents.data(), &leaves));
+    CHECK(leaves == expected.ExpectedLeaves(extents));
+  } else {
+    CHECK(hs_bvh_expected_leaves(bvh, kExtents.data(), &leaves) ==
+          HS_INVALID_ARGUMENT);
+  }
   std::array<float, Its::kValues> around{};
   CHECK_OK(hs_bvh_bounds(bvh, around.data()));
   CHECK(Its::IsRecord(around.data(), expected.Bounds()));
