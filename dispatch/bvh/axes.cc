@@ -69,7 +69,8 @@ Ranges RangesOf(const detail::Columns& objects, const Kernels& kernels) {
 }
 
 // The median extent of the sampled objects on an axis, or 0 of bounds without
-// maxima. A few large objects do not count.
+// maxima. A few large objects do not count. Points of doubles, which are
+// rounded outward, have no extent.
 double ExtentOf(const detail::PlaneLayout& layout,
                 const detail::Columns& objects, std::size_t axis) {
   if (!layout.has_max || axis >= layout.axes) return 0;
@@ -77,10 +78,10 @@ double ExtentOf(const detail::PlaneLayout& layout,
   std::size_t some = 0;
   ForRuns(objects, [&](std::size_t first, std::size_t count) {
     for (std::size_t i = first; i < first + count; ++i) {
-      const double extent =
-          double{objects.floats(layout.axes + axis)[i * objects.stride]} -
-          objects.floats(axis)[i * objects.stride];
-      if (extent >= 0) extents[some++] = extent;
+      const double min = objects.floats(axis)[i * objects.stride];
+      const double max = objects.floats(layout.axes + axis)[i * objects.stride];
+      const double rounded = 0x1p-21 * std::max(std::abs(min), std::abs(max));
+      if (max >= min) extents[some++] = max - min > rounded ? max - min : 0;
     }
   });
   if (some == 0) return 0;

@@ -503,6 +503,7 @@ constexpr UnevenWorld kUnevenWorlds[] = {
      6,
      9},
     {"corridor", {1e5f, 100, 30}, 0, {1, 1, 1}, {40, 40, 40}, 4, 5},
+    {"points in a corridor", {1e5f, 100, 30}, 0, {}, {40, 40, 40}, 4, 12},
     {"terrain", {4e3f, 4e3f, 100}, 0, {2, 2, 2}, {60, 60, 60}, 4, 4},
     {"clusters far apart", {1, 1, 1}, 1e3f, {}, {0.05f, 0.05f, 0.05f}, 4, 4},
     {"rooms far apart",
@@ -534,6 +535,15 @@ TEST(BvhOrderTest, UnevenWorldsAreOrderedForTheirQueries) {
       return LeavesOfQueries(bvh, boxes, uneven.query);
     };
     EXPECT_LE(leaves(AabbBvh3(boxes)), uneven.not_told);
+    // Points of doubles are rounded outward.
+    std::vector<Aabb<3, double>> doubles(boxes.size());
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        doubles[i].min[k] = boxes[i].min[k] * (1 + 1e-10);
+        doubles[i].max[k] = boxes[i].max[k] * (1 + 1e-10);
+      }
+    }
+    EXPECT_LE(leaves(AabbBvh3(doubles)), uneven.not_told);
     EXPECT_LE(leaves(AabbBvh3(boxes, {.quality = BuildQuality::kFast})),
               3 * uneven.not_told);
     EXPECT_LE(leaves(AabbBvh3(boxes, {.quality = BuildQuality::kFast,
