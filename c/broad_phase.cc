@@ -103,7 +103,7 @@ hs_status hs_broad_phase_create(const hs_broad_phase_config* config,
     halfspace::BroadPhaseOptions options;
     options.filter = {read.keep, read.keep_context};
     options.memory = halfspace::c::ReadAllocator(call, read.allocator);
-    options.moves_wait_for_update = read.moves_wait_for_update != 0;
+    options.moves_are_seen_at_once = read.moves_are_seen_at_once != 0;
     options.caller_locks = read.caller_locks != 0;
     *bodies =
         halfspace::c::New<hs_broad_phase>(options.memory, layout, options);

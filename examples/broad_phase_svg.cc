@@ -197,6 +197,7 @@ bool Draw2D(const std::string& path) {
     }
     bodies.Move(id, bound);
   }
+  bodies.Update();
 
   const halfspace::Aabb2 query = {{405, 215}, {585, 335}};
   ForEachSurvivor(bodies, query, [&](const auto& ids) {

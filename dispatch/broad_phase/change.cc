@@ -167,7 +167,7 @@ std::size_t InsertBodies(BroadPhaseState& state, Span<const std::uint32_t> ids,
   if (ids.empty()) return 0;
   // Empty slots are found by the bounds of leaves, which must not depend on
   // whether a query has copied the bodies that moved.
-  if (!state.options.moves_wait_for_update) state.Flush();
+  if (state.options.moves_are_seen_at_once) state.Flush();
   const std::size_t planes = state.planes();
   state.records.Reserve(ids);
   ReserveMasks(state, ids, masks);

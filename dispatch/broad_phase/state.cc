@@ -157,7 +157,7 @@ Reading::Reading(BroadPhaseState& state)
       line_(state.options.caller_locks ? 0 : ReadersLock::LineOfThread()),
       is_exact_(true) {
   const BroadPhaseOptions& options = state.options;
-  const bool is_at_once = !options.moves_wait_for_update;
+  const bool is_at_once = options.moves_are_seen_at_once;
   if (is_at_once && state.records.HasMarks() && !IsInside(state)) {
     if (options.caller_locks) {
       state.Flush();

@@ -72,7 +72,8 @@ Bodies& BodiesOf(const b2DynamicTree* const_tree) {
   if (link.load(std::memory_order_acquire) == nullptr) {
     const std::lock_guard lock(trees_mutex);
     if (link.load(std::memory_order_relaxed) == nullptr) {
-      auto bodies = std::make_unique<Bodies>();
+      auto bodies = std::make_unique<Bodies>(
+          halfspace::BroadPhaseOptions{.moves_are_seen_at_once = true});
       std::vector<Id> ids;
       std::vector<halfspace::Aabb2> boxes;
       std::vector<halfspace::BodyMasks> masks;

@@ -370,7 +370,8 @@ class BroadPhaseHalfspace final : public BroadPhase {
   }
 
   // Queries are const, and apply changes.
-  mutable halfspace::AabbBroadPhase3 bodies_;
+  mutable halfspace::AabbBroadPhase3 bodies_{
+      halfspace::BroadPhaseOptions{.moves_are_seen_at_once = true}};
   mutable std::mutex apply_mutex_;
   mutable std::mutex changes_mutex_;
   mutable std::vector<Change> changes_;

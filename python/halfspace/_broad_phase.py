@@ -23,11 +23,10 @@ class BroadPhase(Searches):
         "aabo" bounds bodies by octahedra (8-DOPs), which have one more axis, `D
         = -(x + y + z)`. A bound has the minima of all axes, then the maxima.
         Boxes are allowed as well.
-    moves_wait_for_update : bool
-        By default, a query sees each `move` that returned before the query
-        began. If True, queries see moves from the next `update`,
-        `update_pairs`, `rebuild`, `save` or `copy` on. They are then faster
-        while other threads move bodies.
+    moves_are_seen_at_once : bool
+        By default, queries see moves from the next `update`, `update_pairs`,
+        `rebuild`, `save` or `copy` on. If True, a query sees each `move` that
+        returned before it began, and is slower while other threads move bodies.
 
     Notes
     -----
@@ -60,23 +59,23 @@ class BroadPhase(Searches):
     (array([[8, 9]]), array([[7, 8]]))
     """
 
-    __slots__ = ("_tree", "_axes", "_waits", "__weakref__")
+    __slots__ = ("_tree", "_axes", "_at_once", "__weakref__")
 
     def __init__(
         self,
         dimensions: int = 3,
         kind: str = "aabb",
         *,
-        moves_wait_for_update: bool = False,
+        moves_are_seen_at_once: bool = False,
     ) -> None:
         if dimensions not in (2, 3):
             raise ValueError(f"dimensions: expected 2 or 3, got {dimensions!r}")
         if kind not in ("aabb", "aabo"):
             raise ValueError(f'kind: expected "aabb" or "aabo", got {kind!r}')
         self._axes = int(dimensions) + (kind == "aabo")
-        self._waits = bool(moves_wait_for_update)
+        self._at_once = bool(moves_are_seen_at_once)
         self._tree = _halfspace.BroadPhase(
-            int(dimensions), kind == "aabo", self._waits
+            int(dimensions), kind == "aabo", self._at_once
         )
 
     def insert(
@@ -143,7 +142,7 @@ class BroadPhase(Searches):
     def copy(self) -> "BroadPhase":
         """Returns a copy, which gives the same results after the same calls."""
         copy = type(self).__new__(type(self))
-        copy._axes, copy._waits = self._axes, self._waits
+        copy._axes, copy._at_once = self._axes, self._at_once
         copy._tree = self._tree.copy()
         return copy
 
@@ -164,7 +163,7 @@ class BroadPhase(Searches):
 
     def __reduce_ex__(self, protocol: Any) -> Tuple[Any, ...]:
         kind = "aabo" if self._axes > self.dims else "aabb"
-        arguments = (type(self), self.dims, kind, self._waits, self.save())
+        arguments = (type(self), self.dims, kind, self._at_once, self.save())
         return _unpickle, arguments, getattr(self, "__dict__", None)
 
     def get(self, ids: Any) -> np.ndarray:
@@ -232,9 +231,9 @@ def _masks(categories: Any, collides_with: Any, count: int) -> np.ndarray:
 
 
 def _unpickle(
-    cls: Type[BroadPhase], dims: int, kind: str, waits: bool, data: bytes
+    cls: Type[BroadPhase], dims: int, kind: str, at_once: bool, data: bytes
 ) -> BroadPhase:
     bodies = cls.__new__(cls)
-    BroadPhase.__init__(bodies, dims, kind, moves_wait_for_update=waits)
+    BroadPhase.__init__(bodies, dims, kind, moves_are_seen_at_once=at_once)
     bodies.load(data)
     return bodies

@@ -650,7 +650,10 @@ def _is_fast(quality: Any) -> bool:
 def _extents(query_extents: Any, dims: int) -> np.ndarray:
     if query_extents is None:
         return np.empty(0, np.float32)
-    extents = np.asarray(query_extents, np.float64)
+    try:
+        extents = np.asarray(query_extents, np.float64)
+    except (TypeError, ValueError):
+        extents = np.empty(0)
     if extents.shape != (dims,) or not (extents >= 0).all():
         raise ValueError(
             f"query_extents: expected {dims} numbers that are not negative, got {query_extents!r}"

@@ -101,11 +101,11 @@ Columns BoundsOf(const ShortIds& ids, const py::tuple& arrays) {
 }
 
 std::unique_ptr<Bodies> MakeBodies(std::size_t dims, bool is_aabo,
-                                   bool moves_wait_for_update) {
+                                   bool moves_are_seen_at_once) {
   hs_broad_phase_config config = DefaultOf(&hs_broad_phase_config_default);
   config.kind = is_aabo ? (dims == 2 ? HS_OCTAHEDRON2 : HS_OCTAHEDRON3)
                         : (dims == 2 ? HS_BOX2 : HS_BOX3);
-  config.moves_wait_for_update = moves_wait_for_update ? 1 : 0;
+  config.moves_are_seen_at_once = moves_are_seen_at_once ? 1 : 0;
   hs_broad_phase* bodies = nullptr;
   Check(hs_broad_phase_create(&config, &bodies));
   return std::unique_ptr<Bodies>(new Bodies{

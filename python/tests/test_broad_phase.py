@@ -152,13 +152,17 @@ def test_size_and_contents():
     assert bodies.bounds.tolist() == BOX and bodies.id_limit == 4
 
 
-def test_moves_that_wait():
-    bodies = hs.BroadPhase(2, moves_wait_for_update=True)
+def test_moves_wait_for_an_update():
+    bodies = hs.BroadPhase(2)
     bodies.insert([3], [BOX])
     bodies.move([3], [[5, 5, 6, 6]])
     assert bodies.query(BOX).tolist() == [3]
     assert bodies.get(3).tolist() == [[5, 5, 6, 6]]
     bodies.update()
+    assert bodies.query(BOX).tolist() == []
+    bodies = hs.BroadPhase(2, moves_are_seen_at_once=True)
+    bodies.insert([3], [BOX])
+    bodies.move([3], [[5, 5, 6, 6]])
     assert bodies.query(BOX).tolist() == []
 
 

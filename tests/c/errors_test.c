@@ -43,7 +43,7 @@ OFFSETS7(hs_pair_options, mask, 8, margin, 12, skip, 16, begin, 24, end, 32,
 OFFSETS5(hs_pair_event_options, mask, 8, margin, 12, target, 16, run, 24,
          run_context, 32);
 OFFSETS1(hs_body_masks, collides_with, 4);
-OFFSETS6(hs_broad_phase_config, kind, 8, moves_wait_for_update, 12,
+OFFSETS6(hs_broad_phase_config, kind, 8, moves_are_seen_at_once, 12,
          caller_locks, 16, keep, 24, keep_context, 32, allocator, 40);
 OFFSETS3(hs_update_options, budget, 8, run, 16, run_context, 24);
 OFFSETS4(hs_body_statistics, bodies, 8, pairs, 16, bytes, 24, cost_ratio, 32);

@@ -1159,11 +1159,11 @@ void TestBroadPhase(bool moves_wait) {
   config.kind = Its::kKind;
   config.keep = &KeepNoSevens;
   config.keep_context = &context;
-  config.moves_wait_for_update = moves_wait ? 1 : 0;
+  config.moves_are_seen_at_once = moves_wait ? 0 : 1;
   config.caller_locks = moves_wait ? 0 : 1;
   BroadPhaseOptions options;
   options.filter = {&KeepNoSevens, &context};
-  options.moves_wait_for_update = moves_wait;
+  options.moves_are_seen_at_once = !moves_wait;
   options.caller_locks = !moves_wait;
   BroadPhase<View> expected(options);
   auto* bodies = Get<hs_broad_phase*>(&hs_broad_phase_create, &config);

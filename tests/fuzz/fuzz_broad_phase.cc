@@ -15,7 +15,7 @@ void Fuzz(Random& random) {
   const Layout layout = OneOf(LayoutsOf(true), random);
   Choices choices(layout, random);
   BroadPhaseOptions options;
-  options.moves_wait_for_update = random() % 2 != 0;
+  options.moves_are_seen_at_once = random() % 2 != 0;
   options.caller_locks = random() % 2 != 0;
   if (random() % 4 == 0) options.filter.keep = &KeepsSome;
   constexpr std::uint32_t kStrides[] = {1, 3, 700, 5000};

@@ -1030,18 +1030,18 @@ typedef bool (*hs_keep_function)(void* context, uint32_t a, uint32_t b,
 
 typedef struct hs_broad_phase_config {
   size_t struct_size;
-  hs_kind kind;               // must be set: boxes or octahedra
-  int moves_wait_for_update;  // 0: a query sees each move that returned before
-                              // it began. 1: queries see moves from the next
-                              // ..._update(), ..._update_pairs(),
-                              // ..._rebuild(), ..._save() or ..._copy() on, and
-                              // are faster on several threads while other
-                              // threads move bodies.
-  int caller_locks;           // 1: has no lock, which saves about 6 ns of each
-                              // query. No two calls may run at the same time,
-                              // except moves, and queries after ..._update()
-                              // before the next move.
-  hs_keep_function keep;      // null: the masks alone
+  hs_kind kind;                // must be set: boxes or octahedra
+  int moves_are_seen_at_once;  // 0: queries see moves from the next
+                               // ..._update(), ..._update_pairs(),
+                               // ..._rebuild(), ..._save() or ..._copy() on.
+                               // 1: a query sees each move that returned before
+                               // it began. It is slower while other threads
+                               // move bodies.
+  int caller_locks;            // 1: has no lock, which saves about 6 ns of each
+                               // query. No two calls may run at the same time,
+                               // except moves, and queries after ..._update()
+                               // before the next move.
+  hs_keep_function keep;       // null: the masks alone
   void* keep_context;
   hs_allocator allocator;  // also called by queries that allocate, and by the
                            // threads of `run`

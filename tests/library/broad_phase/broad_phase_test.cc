@@ -47,7 +47,7 @@ TEST_P(BroadPhaseHistoryTest, AnyHistoryIsThatOfTheModel) {
     const bool is_small = round % 3 == 0 || stride == 5000 || is_short;
     const std::size_t most_bodies = is_large ? 7000 : is_small ? 200 : 1500;
     BroadPhaseOptions options;
-    options.moves_wait_for_update = round % 2 != 0;
+    options.moves_are_seen_at_once = round % 2 == 0;
     options.caller_locks = round % 4 > 1;
     if (round % 3 == 0 || is_large) options.filter.keep = &KeepsSome;
     CountingMemory memory;
@@ -139,6 +139,7 @@ TEST(BroadPhaseErrorsTest, CallsThatRunAloneThrowInsideAQuery) {
   for (const bool caller_locks : {false, true}) {
     BroadPhaseOptions options;
     options.caller_locks = caller_locks;
+    options.moves_are_seen_at_once = true;
     Bodies bodies(options);
     BodyModel model;
     for (std::uint32_t id = 0; id < 100; ++id) {
@@ -209,8 +210,12 @@ TEST(BroadPhaseErrorsTest, FunctionsMayThrow) {
 }
 
 struct Many {
-  explicit Many(std::uint32_t count, float radius = 0.5f)
-      : spread(radius), ids(IdsUpTo(count)), boxes(spread.Some(count)) {
+  explicit Many(std::uint32_t count, float radius = 0.5f,
+                const BroadPhaseOptions& options = {})
+      : spread(radius),
+        ids(IdsUpTo(count)),
+        boxes(spread.Some(count)),
+        bodies(options) {
     bodies.Insert(ids, boxes);
   }
   Spread<> spread;
@@ -230,7 +235,7 @@ Ids OrderOf(const Bodies& bodies) {
 // bodies that changed, and not on how often they were copied into the tree.
 TEST(BroadPhaseBudgetTest, TheOrderDependsOnChangesAlone) {
   constexpr std::uint32_t kCount = 6'000;
-  Many many(kCount, 0.2f);
+  Many many(kCount, 0.2f, {.moves_are_seen_at_once = true});
   auto& [spread, ids, boxes, with_updates_alone] = many;
   Bodies with_queries(with_updates_alone);
   Bodies saved(with_updates_alone);
@@ -547,6 +552,7 @@ TEST(BroadPhaseMemoryTest, QueriesCopyTheTreeOnce) {
   CountingMemory memory;
   BroadPhaseOptions options;
   options.memory = memory.resource();
+  options.moves_are_seen_at_once = true;
   Bodies bodies(options);
   for (std::uint32_t id = 0; id < 300; ++id) {
     const auto x = static_cast<float>(id);

@@ -248,7 +248,7 @@ BodyHistory::BodyHistory(const Layout& layout, Choices& choices,
       memory_(memory) {
   all_.emplace_back(TypeOf(layout), options);
   model_.layout = layout;
-  model_.moves_wait = options.moves_wait_for_update;
+  model_.moves_wait = !options.moves_are_seen_at_once;
   model_.keep = options.filter.keep;
 }
 

@@ -64,7 +64,7 @@ class Complaints {
 class BroadPhaseThreads {
  public:
   explicit BroadPhaseThreads(const BroadPhaseOptions& options)
-      : bodies_(options), sees_moves_(!options.moves_wait_for_update) {
+      : bodies_(options), sees_moves_(options.moves_are_seen_at_once) {
     Ids ids;
     std::vector<Aabb3> boxes;
     for (std::uint32_t id = 0; id < kChanging; ++id) {
@@ -327,7 +327,7 @@ class BroadPhaseThreads {
 TEST(BroadPhaseThreadsTest, MovesQueriesAndChangesAtTheSameTime) {
   for (const bool moves_wait : {false, true}) {
     BroadPhaseOptions options;
-    options.moves_wait_for_update = moves_wait;
+    options.moves_are_seen_at_once = !moves_wait;
     BroadPhaseThreads test(options);
     std::vector<std::thread> threads;
     // At first each thread has a line of the lock for itself. After so many
@@ -355,7 +355,7 @@ TEST(BroadPhaseThreadsTest, MovesQueriesAndChangesAtTheSameTime) {
 // no half of one is read.
 TEST(BroadPhaseThreadsTest, AMoveThatMeetsAFlushIsNotLost) {
   constexpr std::uint32_t kCount = 64 * 4;
-  AabbBroadPhase3 bodies;
+  AabbBroadPhase3 bodies({.moves_are_seen_at_once = true});
   for (std::uint32_t id = 0; id < kCount; ++id) {
     bodies.Insert(id, PlaceOf(id, false));
   }
@@ -393,7 +393,7 @@ TEST(BroadPhaseThreadsTest, AMoveThatMeetsAFlushIsNotLost) {
 // A call that runs alone begins when the query of another thread has ended, and
 // a query begins meanwhile.
 TEST(BroadPhaseThreadsTest, CallsThatRunAloneWaitForQueries) {
-  AabbBroadPhase3 bodies;
+  AabbBroadPhase3 bodies({.moves_are_seen_at_once = true});
   for (std::uint32_t id = 0; id < 100; ++id) {
     bodies.Insert(id, PlaceOf(id, false));
   }

@@ -303,7 +303,7 @@ void ExpectKnownAnswers(Target target) {
   };
   Spread<Bound> spread(1.0f, 5);
   Random random(6);
-  BroadPhase<View> bodies;
+  BroadPhase<View> bodies({.moves_are_seen_at_once = true});
   Ids ids;
   std::vector<Bound> bounds;
   for (std::uint32_t id = 0; id < kBodies; ++id) {

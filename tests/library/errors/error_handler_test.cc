@@ -111,6 +111,7 @@ TEST(ErrorHandlerTest, ABroadPhaseHoldsNothingAfterAnError) {
   CountingMemory memory;
   BroadPhaseOptions options;
   options.memory = memory.resource();
+  options.moves_are_seen_at_once = true;
   AabbBroadPhase3 bodies(options);
   for (std::uint32_t id = 0; id < 5; ++id) bodies.Insert(id, {});
   bodies.Rebuild();
