@@ -74,7 +74,10 @@ std::optional<std::array<float, 3>> ReadExtents(const Call& call,
   std::array<float, 3> read{};
   for (std::size_t k = 0; k < layout.dims; ++k) {
     read[k] = extents[k];
-    if (read[k] >= 0) continue;
+    // Compares that never trap.
+    if (!std::isnan(read[k]) && (!std::signbit(read[k]) || read[k] == 0)) {
+      continue;
+    }
     call.Fail(HS_INVALID_ARGUMENT, argument,
               "expected numbers that are not negative, got %s on axis %zu",
               detail::NumberText(read[k]).c_str(), k);

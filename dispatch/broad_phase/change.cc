@@ -42,23 +42,32 @@ void SortAll(BroadPhaseState& state, BuildQuality quality, const Runner& run) {
   state.wear = {};
 }
 
-// Adds what the decay costs in this update. Returns whether all were sorted.
+constexpr std::uint32_t kAllBits = 0xFFFFFFFF;
+
+// What the decay costs in this update.
+double CostOf(const BroadPhaseState& state, double ratio, std::size_t changed) {
+  return dispatch::InDefaultFpMode([&] {
+    const auto size = static_cast<double>(state.tree.size());
+    const auto pairs = static_cast<double>(state.events.pairs().size());
+    // Bodies that do not move are searched for by those that do.
+    const double searched = std::min(1.0, static_cast<double>(changed) / size);
+    return searched * (ratio - 1) * (1 + pairs / size / 4);
+  });
+}
+
+// Returns whether all were sorted.
 bool SortWorn(BroadPhaseState& state, double ratio, std::size_t changed,
               const Runner& run) {
   if (!(ratio > kWorn) || changed == 0) return false;
-  const dispatch::DefaultFpMode mode;
-  const auto size = static_cast<double>(state.tree.size());
-  const double pairs = static_cast<double>(state.events.pairs().size());
-  // Bodies that do not move are searched for by those that do.
-  const double searched = std::min(1.0, static_cast<double>(changed) / size);
-  state.wear.cost += searched * (ratio - 1) * (1 + pairs / size / 4);
   const bool is_often = state.wear.updates <= kOften;
-  if (state.wear.cost < (is_often ? kFastSort : kHighSort)) return false;
+  const bool is_due = dispatch::InDefaultFpMode([&] {
+    state.wear.cost += CostOf(state, ratio, changed);
+    return !(state.wear.cost < (is_often ? kFastSort : kHighSort));
+  });
+  if (!is_due) return false;
   SortAll(state, is_often ? BuildQuality::kFast : BuildQuality::kHigh, run);
   return true;
 }
-
-constexpr std::uint32_t kAllBits = 0xFFFFFFFF;
 
 void Sort(BroadPhaseState& state, const UpdateOptions& options) {
   BvhTree& tree = state.tree;
@@ -163,7 +172,7 @@ class Inserted {
 std::size_t InsertBodies(BroadPhaseState& state, Span<const std::uint32_t> ids,
                          Span<const float> values,
                          Span<const BodyMasks> masks) {
-  const Changing changing("BroadPhase::Insert", state);
+  const Changing changing(state);
   if (ids.empty()) return 0;
   // Empty slots are found by the bounds of leaves, which must not depend on
   // whether a query has copied the bodies that moved.
@@ -235,7 +244,7 @@ void BroadPhaseCore::Insert(Span<const std::uint32_t> ids,
 void BroadPhaseCore::Erase(Span<const std::uint32_t> ids) {
   constexpr const char* kCall = "BroadPhase::Erase";
   state_->CheckBodies(kCall, ids);
-  const Changing changing(kCall, *state_);
+  const Changing changing(*state_);
   state_->tree.Erase(ids);
   for (const std::uint32_t id : ids) {
     if (!state_->records.Has(id)) continue;  // a second time in the list
@@ -260,7 +269,7 @@ void BroadPhaseCore::SetMasks(Span<const std::uint32_t> ids,
   state_->CheckList(kCall, ids, "masks", masks.data(), masks.size(),
                     alignof(BodyMasks));
   state_->CheckBodies(kCall, ids);
-  const Changing changing(kCall, *state_);
+  const Changing changing(*state_);
   ReserveMasks(*state_, ids, masks);
   // Sets the first mask to its own value, which allocates before a mask has
   // changed.
@@ -276,13 +285,13 @@ void BroadPhaseCore::SetMasks(Span<const std::uint32_t> ids,
 }
 
 void BroadPhaseCore::Update(const UpdateOptions& options) {
-  const Changing changing("BroadPhase::Update", *state_);
+  const Changing changing(*state_);
   state_->Flush();
   Sort(*state_, options);
 }
 
 void BroadPhaseCore::Rebuild(const Runner& run) {
-  const Changing changing("BroadPhase::Rebuild", *state_);
+  const Changing changing(*state_);
   state_->Flush();
   BuildOptions options;
   options.run = run;

@@ -9,10 +9,6 @@
 namespace halfspace::detail {
 namespace {
 
-// How long a new query waits for a waiting change. This is longer than almost
-// every query, so changes do not starve.
-constexpr std::chrono::microseconds kPatience(50);
-
 // Waits a little. Most flushes take less than a microsecond, so the first waits
 // keep the processor.
 class Pause {
@@ -50,55 +46,39 @@ void ReadersLock::Use(std::size_t line) {
   }
 }
 
-void ReadersLock::EnterSlowly(std::size_t line, bool is_inside) {
-  const auto begin = std::chrono::steady_clock::now();
-  const auto is_over = [begin] {
-    return std::chrono::steady_clock::now() - begin > kPatience;
-  };
-  Pause pause;
-  for (;;) {
-    const std::uint32_t state = state_.load(std::memory_order_seq_cst);
-    if (state == kOpen) return;
-    if (state == kChangeWaits && (is_inside || is_over())) return;
+void ReadersLock::EnterSlowly(std::size_t line) {
+  do {
     Leave(line);
-    const auto has_to_wait = [&] {
-      const std::uint32_t now = state_.load(std::memory_order_acquire);
-      return now == kIsChanged ||
-             (now == kChangeWaits && !is_inside && !is_over());
-    };
-    do {
-      pause();
-    } while (has_to_wait());
+    for (Pause pause; is_closed_.load(std::memory_order_acquire);) pause();
     CountIn(line);
-  }
+  } while (is_closed_.load(std::memory_order_seq_cst));
 }
 
-bool ReadersLock::Close() {
-  state_.store(kIsChanged, std::memory_order_seq_cst);
+bool ReadersLock::HasReaders() const {
   const std::size_t used = used_.load(std::memory_order_seq_cst);
   std::uint32_t readers = 0;
   for (std::size_t line = 0; line < used; ++line) {
     readers |= lines_[line].readers.load(std::memory_order_seq_cst);
   }
-  return readers == 0;
+  return readers != 0;
 }
 
 void ReadersLock::Lock() {
   changes_.lock();
-  for (Pause pause; !Close(); pause()) {
-    state_.store(kChangeWaits, std::memory_order_seq_cst);
-  }
+  is_closed_.store(true, std::memory_order_seq_cst);
+  for (Pause pause; HasReaders();) pause();
 }
 
 bool ReadersLock::TryLock() {
   if (!changes_.try_lock()) return false;
-  if (Close()) return true;
+  is_closed_.store(true, std::memory_order_seq_cst);
+  if (!HasReaders()) return true;
   Unlock();
   return false;
 }
 
 void ReadersLock::Unlock() {
-  state_.store(kOpen, std::memory_order_release);
+  is_closed_.store(false, std::memory_order_release);
   changes_.unlock();
 }
 

@@ -1,14 +1,10 @@
 // Who may read the tree of a broad phase and who may change it.
 //
 // Each thread counts its queries on its own cache line, so queries write no
-// line of another thread. A change waits until all lines are 0. There is no
-// deadlock:
-// - A query never waits for a query. It waits while a change is being made,
-//   and then the change waits for nobody. While a change waits for queries,
-//   new queries stand back for kPatience at most: one of the running queries
-//   may need a lock that the thread of a new query holds.
-// - A change waits for queries. A query's function must not make one: it would
-//   wait for its own query. IsInside() finds that out.
+// line of another thread. A change closes the lock and waits until all lines
+// are 0. A query that finds it closed leaves and waits until it is open. A
+// query has left when it calls a function of the caller's, so the queries that
+// a change waits for wait for nobody, and there is no deadlock.
 #ifndef HALFSPACE_DISPATCH_BROAD_PHASE_LOCK_H_
 #define HALFSPACE_DISPATCH_BROAD_PHASE_LOCK_H_
 
@@ -30,13 +26,11 @@ class ReadersLock {
   static std::size_t LineOfThread() {
     return line_of_thread_ != 0 ? line_of_thread_ - 1 : NewLine();
   }
-  // `is_inside`: this thread is in a query of any broad phase.
-  void Enter(std::size_t line, bool is_inside) {
+  void Enter(std::size_t line) {
     if (line >= used_.load(std::memory_order_seq_cst)) Use(line);
     CountIn(line);
-    const std::uint32_t state = state_.load(std::memory_order_seq_cst);
-    if (state != kOpen) [[unlikely]] {
-      EnterSlowly(line, is_inside);
+    if (is_closed_.load(std::memory_order_seq_cst)) [[unlikely]] {
+      EnterSlowly(line);
     }
   }
   void Leave(std::size_t line) {
@@ -56,7 +50,6 @@ class ReadersLock {
 
  private:
   static constexpr std::size_t kOwnLines = 64;
-  enum State : std::uint32_t { kOpen, kChangeWaits, kIsChanged };
   struct alignas(64) Line {
     std::atomic<std::uint32_t> readers{0};
   };
@@ -72,14 +65,14 @@ class ReadersLock {
       readers.fetch_add(1, std::memory_order_seq_cst);
     }
   }
-  void EnterSlowly(std::size_t line, bool is_inside);
-  // Returns whether there are no readers. New ones wait if so.
-  bool Close();
+  void EnterSlowly(std::size_t line);
+  // Of a closed lock.
+  bool HasReaders() const;
 
   // 1 more than the number of the line, or 0 in a new thread.
   static constinit inline thread_local std::size_t line_of_thread_ = 0;
 
-  std::atomic<std::uint32_t> state_{kOpen};
+  std::atomic<bool> is_closed_{false};
   std::atomic<std::size_t> used_{0};  // lines
   alignas(64) std::mutex changes_;
   Line lines_[kOwnLines + 1];

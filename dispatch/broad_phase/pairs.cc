@@ -50,7 +50,7 @@ class KeptPairs {
 void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
                                  const Runner& run) {
   BroadPhaseState& state = *state_;
-  const Changing changing("BroadPhase::UpdatePairs", state);
+  const Changing changing(state);
   state.Flush();
   const bool is_of_some =
       IsSmallSet(state.records.Count(Records::kForPairs), state.tree.size());

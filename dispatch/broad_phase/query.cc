@@ -1,6 +1,10 @@
 // A query of a broad phase is a query of its tree. If some bodies are late, the
 // frequent kinds of queries test these bodies separately. The other kinds
 // search a copy of the tree that has their bounds.
+//
+// A query calls a function of the caller's outside of the lock. If the tree has
+// changed when the function returns, the query begins again, and leaves out the
+// bodies that it has reported.
 #include <algorithm>
 #include <cstring>
 #include <tuple>
@@ -76,6 +80,59 @@ class LateLeaf {
   std::uint32_t ids_[kBlockObjects] = {};
   std::uint32_t masks_[kBlockObjects];
   alignas(64) float floats_[kMostBodyPlanes * kBlockObjects] = {};
+};
+
+// The bodies that a query has reported, and whether it has to begin again.
+class Reported {
+ public:
+  explicit Reported(const BroadPhaseState& state)
+      : memory_(state.options.memory),
+        ids_(BlockAllocator<std::uint32_t>(memory_.resource())) {}
+
+  // Calls run(reading) until no change has interrupted it.
+  template <typename Run>
+  void RunAll(BroadPhaseState& state, const Run& run) {
+    do {
+      is_interrupted_ = false;
+      before_ = ids_.size();
+      std::sort(ids_.begin(), ids_.end());
+      Reading reading(state);
+      run(reading);
+    } while (is_interrupted_);
+  }
+  // Whether an earlier run has reported it.
+  bool Has(std::uint32_t id) const {
+    const auto end = ids_.begin() + static_cast<std::ptrdiff_t>(before_);
+    return before_ != 0 && std::binary_search(ids_.begin(), end, id);
+  }
+  // Those that it has not, in place or in `room`.
+  Span<const std::uint32_t> Others(Span<const std::uint32_t> ids,
+                                   std::uint32_t* room) const {
+    if (before_ == 0) return ids;
+    std::size_t count = 0;
+    for (const std::uint32_t id : ids) {
+      room[count] = id;
+      count += Has(id) ? 0 : 1;
+    }
+    return {room, count};
+  }
+  // Reports some bodies by function(), which returns whether to go on. Returns
+  // whether the run goes on.
+  template <typename Function>
+  bool Report(Reading& reading, Span<const std::uint32_t> ids,
+              const Function& function) {
+    ids_.insert(ids_.end(), ids.begin(), ids.end());
+    bool goes_on = false;
+    const bool is_same = reading.CallOutside([&] { goes_on = function(); });
+    is_interrupted_ = goes_on && !is_same;
+    return goes_on && is_same;
+  }
+
+ private:
+  CallMemory memory_;
+  BlockVector<std::uint32_t> ids_;
+  std::size_t before_ = 0;
+  bool is_interrupted_ = false;
 };
 
 // Calls exact(tree) if the tree has all bounds, and else late(reading).
@@ -195,17 +252,21 @@ bool BroadPhaseCore::Any(const BvhQueries& query, std::uint32_t& id,
 
 void BroadPhaseCore::ForEach(const BvhQueries& query, IdsFunction function,
                              void* context, const QueryOptions& options) const {
-  Ask(
-      *state_,
-      [&](const BvhTree& tree) {
-        tree.ForEach(query, function, context, options);
-      },
-      [&](const Reading& reading) {
-        ForEachWithLate(*state_, reading, query, options,
-                        [&](Span<const std::uint32_t> ids) {
-                          return function(context, ids);
-                        });
+  Reported reported(*state_);
+  reported.RunAll(*state_, [&](Reading& reading) {
+    const auto visit = [&](Span<const std::uint32_t> ids) {
+      std::uint32_t others[512];
+      const Span<const std::uint32_t> some = reported.Others(ids, others);
+      return some.empty() || reported.Report(reading, some, [&] {
+        return function(context, some);
       });
+    };
+    if (!reading.is_exact()) {
+      return ForEachWithLate(*state_, reading, query, options, visit);
+    }
+    Callback callback{visit};
+    state_->tree.ForEach(query, &decltype(callback)::Run, &callback, options);
+  });
 }
 
 std::size_t BroadPhaseCore::SurvivorsOfEach(const BvhQueries& queries,
@@ -238,28 +299,37 @@ void BroadPhaseCore::NearestOfEach(const NearQueries& queries, std::size_t k,
 
 void BroadPhaseCore::Cast(const LineCast& cast, NearFunction function,
                           void* context, const SearchOptions& options) const {
-  Ask(
-      *state_,
-      [&](const BvhTree& tree) { tree.Cast(cast, function, context, options); },
-      [&](const Reading& reading) {
-        // The limit that one tree ends with is the limit of the next one.
-        LineCast rest = cast;
-        bool skips_late = false;
-        Callback hit{[&](std::uint32_t id, float t, const float* planes) {
-          if (!skips_late || !reading.IsLate(id)) {
-            rest.max_t = std::min(rest.max_t, function(context, id, t, planes));
-          }
-          return Limit{rest.max_t};
-        }};
-        const auto run = [&](const BvhTree& tree) {
-          tree.Cast(rest, &decltype(hit)::Run, &hit, options);
-          return !(rest.max_t < 0);
-        };
-        LateLeaf leaf(*state_);
-        if (!leaf.ForEach(reading, run)) return;
-        skips_late = true;
-        run(state_->tree);
+  Reported reported(*state_);
+  // The limit that one search ends with is the limit of the next one.
+  LineCast rest = cast;
+  reported.RunAll(*state_, [&](Reading& reading) {
+    bool skips_late = false;
+    bool goes_on = true;
+    Callback hit{[&](std::uint32_t id, float t, const float* planes) {
+      if ((skips_late && reading.IsLate(id)) || reported.Has(id)) {
+        return Limit{rest.max_t};
+      }
+      float copy[kMostBodyPlanes * kBlockObjects];
+      for (std::size_t p = 0; p < state_->planes(); ++p) {
+        copy[p * kBlockObjects] = planes[p * kBlockObjects];
+      }
+      goes_on = reported.Report(reading, {&id, 1}, [&] {
+        rest.max_t = std::min(rest.max_t, function(context, id, t, copy));
+        return !(rest.max_t < 0);
       });
+      return Limit{goes_on ? rest.max_t : -1};
+    }};
+    const auto run = [&](const BvhTree& tree) {
+      tree.Cast(rest, &decltype(hit)::Run, &hit, options);
+      return goes_on;
+    };
+    if (!reading.is_exact()) {
+      LateLeaf leaf(*state_);
+      if (!leaf.ForEach(reading, run)) return;
+      skips_late = true;
+    }
+    run(state_->tree);
+  });
 }
 
 std::size_t BroadPhaseCore::PairsOf(const BvhPairKernels* kernels,
@@ -277,9 +347,20 @@ void BroadPhaseCore::ForEachPairOf(const BvhPairKernels* kernels,
                                    PairsFunction function, void* context,
                                    const PairOptions& options) const {
   state_->CheckBodies("ForEachPairOf", ids);
+  CallMemory memory(state_->options.memory);
+  BlockVector<IdPair> found(BlockAllocator<IdPair>(memory.resource()));
+  Callback collect{[&](Span<const IdPair> some) {
+    found.insert(found.end(), some.begin(), some.end());
+  }};
   AskCopy(*state_, [&](const BvhTree& tree) {
-    tree.ForEachPairOf(kernels, ids, function, context, options);
+    tree.ForEachPairOf(kernels, ids, &decltype(collect)::Run, &collect,
+                       options);
   });
+  constexpr std::size_t kAtOnce = 256;
+  for (std::size_t i = 0; i < found.size(); i += kAtOnce) {
+    const std::size_t some = std::min(kAtOnce, found.size() - i);
+    if (!function(context, {found.data() + i, some})) return;
+  }
 }
 
 std::size_t BroadPhaseCore::size() const {
@@ -317,7 +398,7 @@ void BroadPhaseCore::Bounds(Span<float> values) const {
 }
 
 bool BroadPhaseCore::Validate() const {
-  const Changing changing("BroadPhase::Validate", *state_);
+  const Changing changing(*state_);
   state_->Flush();
   const BvhTree& tree = state_->tree;
   for (const std::uint32_t id : tree.ids()) {
@@ -334,7 +415,7 @@ bool BroadPhaseCore::Validate() const {
 }
 
 BroadPhaseStatistics BroadPhaseCore::Statistics() const {
-  const Changing changing("BroadPhase::Statistics", *state_);
+  const Changing changing(*state_);
   BroadPhaseStatistics statistics;
   statistics.bodies = size();
   statistics.pairs = state_->events.pairs().size();

@@ -29,8 +29,11 @@ struct alignas(64) SaveHeader {
   std::uint64_t changed;
   std::uint64_t changed_for_order;
   Wear wear;
+  std::uint32_t unused[12];
 };
-static_assert(sizeof(SaveHeader) == 128 && sizeof(Wear) == 16);
+static_assert(sizeof(SaveHeader) == 128 && sizeof(Wear) == 16 &&
+              offsetof(SaveHeader, unused) + sizeof(SaveHeader::unused) ==
+                  sizeof(SaveHeader));
 
 constexpr std::size_t kAlignment = 64;
 constexpr std::size_t Padded(std::size_t bytes) {
@@ -76,7 +79,7 @@ Span<const std::byte> BytesOf(const T* items, std::size_t count) {
 BroadPhaseCore::BroadPhaseCore(const BroadPhaseCore& other)
     : BroadPhaseCore(other.state_->type, other.state_->options) {
   BroadPhaseState& from = *other.state_;
-  const Changing changing("BroadPhase", from);
+  const Changing changing(from);
   from.Flush();
   state_->records.ReserveListOf(from.records);
   state_->Adopt(BvhTree(from.tree, from.options.memory));
@@ -93,7 +96,7 @@ BroadPhaseCore::BroadPhaseCore(const BroadPhaseCore& other)
 
 void BroadPhaseCore::Save(SaveFunction function, void* context) const {
   BroadPhaseState& state = *state_;
-  const Changing changing("BroadPhase::Save", state);
+  const Changing changing(state);
   state.Flush();
   const auto changed = state.IdsOf(Records::kForPairs, state.options.memory);
   const auto changed_for_order =
@@ -132,7 +135,6 @@ void BroadPhaseCore::Save(SaveFunction function, void* context) const {
 // Reads into new memory and then swaps, so a call that fails changes nothing.
 void BroadPhaseCore::Load(Span<const std::byte> bytes) {
   BroadPhaseState& state = *state_;
-  Changing::Check(kLoad, state);
   SaveHeader header;
   if (bytes.size() < sizeof(header)) {
     ThrowNotSaved("all bytes of BroadPhase::Save()",
@@ -142,7 +144,7 @@ void BroadPhaseCore::Load(Span<const std::byte> bytes) {
   if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0 ||
       header.version != kVersion || header.planes != state.planes()) {
     ThrowNotSaved(
-        "bytes of BroadPhase::Save() of this type, byte order and format 1",
+        "bytes of BroadPhase::Save() of this type, byte order and format 2",
         "others");
   }
   // The bytes may be misaligned.
@@ -184,7 +186,7 @@ void BroadPhaseCore::Load(Span<const std::byte> bytes) {
   };
   add(Records::kForPairs, changed);
   add(Records::kForOrder, changed_for_order);
-  const Changing changing(kLoad, state);
+  const Changing changing(state);
   state.Swap(to);
 }
 

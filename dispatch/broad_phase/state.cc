@@ -153,41 +153,24 @@ void BroadPhaseState::Swap(BroadPhaseState& other) {
 
 Reading::Reading(BroadPhaseState& state)
     : state_(state),
-      outer_(innermost_),
-      line_(state.options.caller_locks ? 0 : ReadersLock::LineOfThread()),
-      is_exact_(true) {
+      line_(state.options.caller_locks ? 0 : ReadersLock::LineOfThread()) {
   const BroadPhaseOptions& options = state.options;
   const bool is_at_once = options.moves_are_seen_at_once;
-  if (is_at_once && state.records.HasMarks() && !IsInside(state)) {
+  if (is_at_once && state.records.HasMarks()) {
     if (options.caller_locks) {
+      ++state.version;
       state.Flush();
     } else if (state.lock.TryLock()) {
+      ++state.version;
       state.Flush();
       state.lock.Unlock();
     }
   }
-  if (!options.caller_locks) state.lock.Enter(line_, outer_ != nullptr);
-  innermost_ = this;
+  Enter();
   if (is_at_once && state.records.HasMarks()) {
     is_exact_ = false;
     time_ = state.records.TimeOfQuery();
   }
-}
-
-bool Reading::IsInside(const BroadPhaseState& state) {
-  for (const Reading* r = innermost_; r != nullptr; r = r->outer_) {
-    if (&r->state_ == &state) return true;
-  }
-  return false;
-}
-
-void Changing::Check(const char* call, const BroadPhaseState& state) {
-  if (!Reading::IsInside(state)) return;
-  dispatch::ThrowInvalid(
-      call, "call",
-      "no query of the broad phase that still runs on this thread: this call "
-      "waits for queries",
-      "a call by the function of a query");
 }
 
 }  // namespace halfspace::detail

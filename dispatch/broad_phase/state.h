@@ -89,7 +89,8 @@ class BroadPhaseState {
   Records records;
   std::atomic<std::size_t> size{0};
 
-  // Written with exclusive access.
+  // Written with exclusive access. Each change has a version of its own.
+  std::uint64_t version = 0;
   BvhTree tree;
   PairEventsCore events;
   Wear wear;
@@ -119,12 +120,20 @@ class Reading {
   Reading(const Reading&) = delete;
   Reading& operator=(const Reading&) = delete;
   ~Reading() {
-    innermost_ = outer_;
-    if (!state_.options.caller_locks) state_.lock.Leave(line_);
+    if (is_in_) Leave();
   }
 
-  // Whether this thread is in a query of a broad phase.
-  static bool IsInside(const BroadPhaseState& state);
+  // Calls a function of the caller's, which may do anything, without the lock.
+  // Returns false if the tree has changed: then what was read of it is wrong,
+  // and the query must begin again.
+  template <typename Function>
+  bool CallOutside(const Function& function) {
+    const std::uint64_t version = state_.version;
+    Leave();
+    function();
+    Enter();
+    return version == state_.version;
+  }
 
   // Whether the tree has the bounds of all bodies. Otherwise some are late.
   bool is_exact() const { return is_exact_; }
@@ -133,30 +142,34 @@ class Reading {
   }
 
  private:
-  // The innermost query of this thread.
-  static constinit inline thread_local const Reading* innermost_ = nullptr;
+  void Enter() {
+    if (!state_.options.caller_locks) state_.lock.Enter(line_);
+    is_in_ = true;
+  }
+  void Leave() {
+    is_in_ = false;
+    if (!state_.options.caller_locks) state_.lock.Leave(line_);
+  }
 
   BroadPhaseState& state_;
-  const Reading* const outer_;
   const std::size_t line_;
-  bool is_exact_;
+  bool is_in_ = false;
+  bool is_exact_ = true;
   std::uint32_t time_ = 0;
 };
 
 // Exclusive access, during the life of an object of this class.
 class Changing {
  public:
-  Changing(const char* call, BroadPhaseState& state) : state_(state) {
-    Check(call, state);
+  explicit Changing(BroadPhaseState& state) : state_(state) {
     if (!state.options.caller_locks) state.lock.Lock();
+    ++state.version;
   }
   Changing(const Changing&) = delete;
   Changing& operator=(const Changing&) = delete;
   ~Changing() {
     if (!state_.options.caller_locks) state_.lock.Unlock();
   }
-  // Throws, in the name of `call`, if it is called by the function of a query.
-  static void Check(const char* call, const BroadPhaseState& state);
 
  private:
   BroadPhaseState& state_;

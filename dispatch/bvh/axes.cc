@@ -122,12 +122,13 @@ AxisWeights AxisWeights::Unpack(std::uint32_t packed) {
   return weights;
 }
 
-AxisWeights WeightsOf(
+namespace {
+
+AxisWeights FindWeights(
     const detail::PlaneLayout& layout, const detail::Columns& objects,
     const Kernels& kernels,
     const std::optional<std::array<float, 3>>& query_extents) {
   constexpr double kInf = std::numeric_limits<double>::infinity();
-  const DefaultFpMode mode;
   const Ranges ranges = RangesOf(objects, kernels);
   std::array<double, kCenterAxes> extents;
   double share = kInf;
@@ -164,9 +165,8 @@ AxisWeights WeightsOf(
   return AxisWeights::Unpack(weights.Pack());
 }
 
-detail::Grid GridOf(const detail::Columns& objects, const AxisWeights& weights,
-                    const Kernels& kernels) {
-  const DefaultFpMode mode;
+detail::Grid FindGrid(const detail::Columns& objects,
+                      const AxisWeights& weights, const Kernels& kernels) {
   constexpr float kMostCells = std::numeric_limits<float>::max() / 0x1p15f;
   const Ranges ranges = RangesOf(objects, kernels);
   float widest = 0;
@@ -176,10 +176,26 @@ detail::Grid GridOf(const detail::Columns& objects, const AxisWeights& weights,
   detail::Grid grid{};
   for (std::size_t k = 0; k < kCenterAxes; ++k) {
     grid.least[k] = ranges[k].least;
-    const float cells = weights.weight[k] / widest;
+    // All centers in one place are in one cell.
+    const float cells = widest > 0 ? weights.weight[k] / widest : 0;
     if (cells <= kMostCells) grid.cells_of_unit[k] = cells;
   }
   return grid;
+}
+
+}  // namespace
+
+AxisWeights WeightsOf(
+    const detail::PlaneLayout& layout, const detail::Columns& objects,
+    const Kernels& kernels,
+    const std::optional<std::array<float, 3>>& query_extents) {
+  return InDefaultFpMode(
+      [&] { return FindWeights(layout, objects, kernels, query_extents); });
+}
+
+detail::Grid GridOf(const detail::Columns& objects, const AxisWeights& weights,
+                    const Kernels& kernels) {
+  return InDefaultFpMode([&] { return FindGrid(objects, weights, kernels); });
 }
 
 }  // namespace halfspace::dispatch

@@ -138,8 +138,10 @@ struct Cuts {
 };
 
 // Divides a piece into a lower and an upper half, and returns where the upper
-// half begins. That is at a multiple of the largest full node.
+// half begins. That is at a multiple of the largest full node. A piece in one
+// block has no upper half.
 std::size_t Split(Entry* entries, const Piece& piece, const Cuts& cuts) {
+  if (cuts.Blocks(piece, kBlockObjects) < 2) return piece.end;
   const std::size_t count = piece.end - piece.begin;
   std::size_t node = kBlockObjects;
   while (node * kBlockObjects < count) node *= kBlockObjects;
@@ -188,9 +190,12 @@ void SortAllByMedians(Entry* entries, std::size_t size, const Cuts& cuts,
     pieces = halves;
     count *= 2;
   }
-  RunInDefaultFpMode(run, count, [&](std::size_t i) {
+  const auto sort = [&](std::size_t i) {
     SortByMedians(entries, pieces[i], cuts);
-  });
+  };
+  // Cells of a curve are often one piece, and many.
+  if (count == 1) return InDefaultFpMode([&] { sort(0); });
+  RunInDefaultFpMode(run, count, sort);
 }
 
 // The entries of the objects ids[0 ... count - 1].
@@ -241,9 +246,9 @@ void OrderCell(const detail::PlaneLayout& layout,
                const detail::Columns& objects, const AxisWeights& weights,
                const Kernels& kernels, std::byte* scratch, std::uint32_t* ids,
                std::size_t count, std::size_t first_slot, const Runner& run) {
-  const DefaultFpMode mode;
   auto* const entries = reinterpret_cast<Entry*>(scratch);
-  GatherEntries(layout, objects, kernels, ids, count, entries);
+  InDefaultFpMode(
+      [&] { GatherEntries(layout, objects, kernels, ids, count, entries); });
   SortAllByMedians(entries, count, {weights, first_slot}, run);
   for (std::size_t i = 0; i < count; ++i) ids[i] = entries[i].id;
 }
@@ -297,7 +302,8 @@ void OrderByCurve(const detail::PlaneLayout& layout,
                   scratch, run);
   for (std::size_t i = 0; i < count; ++i) ids[i] = keys[i].id;
   // The half of the scratch memory without the keys has room for half of the
-  // objects. One cell can have more. It is the last, because it takes all.
+  // objects. At most one cell has more. It is sorted last, because its entries
+  // overwrite the keys.
   const bool are_first = reinterpret_cast<const std::byte*>(keys) == scratch;
   std::byte* const free = scratch + (are_first ? count * sizeof(CurveKey) : 0);
   Piece large = {0, 0};

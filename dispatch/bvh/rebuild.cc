@@ -155,7 +155,8 @@ double BvhTree::ExpectedLeaves(Span<const float> extents) const {
   const std::size_t leaves = BlocksOf(tree.slots());
   if (leaves <= 1) return static_cast<double>(leaves);
   return dispatch::InDefaultFpMode([&] {
-    const BoundValues world = BoundOf(layout, tree.levels_, {0, tree.slots()});
+    BoundValues world;
+    Bounds({world.data(), layout.plane_count});
     double expected = 0;
     for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
       double share = 1;

@@ -5,11 +5,11 @@
 //   bodies.Insert(ids, boxes);                 // ids are the caller's numbers
 //   // each frame:
 //   bodies.Move(moved_ids, moved_boxes);       // on any threads
-//   bodies.Update();                           // queries see the moves from
-//   here bodies.UpdatePairs(); for (halfspace::IdPair pair : bodies.began()) {
-//   /* pair.a, pair.b */ } for (halfspace::IdPair pair : bodies.ended()) { /*
-//   the same */ } ForEachSurvivor(bodies, query_box, [](Span<const
-//   std::uint32_t> ids) {});
+//   bodies.Update();                           // now queries see the moves
+//   bodies.UpdatePairs();
+//   for (halfspace::IdPair pair : bodies.began()) { /* pair.a, pair.b */ }
+//   for (halfspace::IdPair pair : bodies.ended()) { /* the same */ }
+//   ForEachSurvivor(bodies, query_box, [](Span<const std::uint32_t> ids) {});
 //
 // A broad phase is a Bvh (bvh.h) with the caller's ids, and a record of each
 // body that threads write while others query. A program whose frame has phases
@@ -18,14 +18,21 @@
 //
 // Queries: those of bvh.h, bvh_shapes.h, bvh_nearest.h and bvh_pairs.h, except
 // CountSurvivorsOfEach(), ForEachNearest(), Pairs() and ForEachPair(). Each
-// finds every body by the bound that it had at the last Update(), or
-// (BroadPhaseOptions::moves_are_seen_at_once) by one that it had during the
-// query, with some moves of one Move() of many bodies, and not yet the others.
-// A function that a query calls may take locks, run other queries and call
-// Move(). It must return on the thread that called the query: a fiber must not
-// go on on another thread. SurvivorsOfEach(), KNearest(), KNearestOfEach(),
-// PairsOf() and ForEachPairOf() copy the tree if moves are seen at once, bodies
-// have moved since the last Update(), and another query runs.
+// finds every body by the bound that it had at the last Update(). With
+// BroadPhaseOptions::moves_are_seen_at_once it is a bound that the body had
+// during the query. The query can then see some moves of one Move() of many
+// bodies, and not yet the others. And SurvivorsOfEach(), KNearest(),
+// KNearestOfEach(), PairsOf() and ForEachPairOf() copy the tree if bodies have
+// moved since the last Update(), and another query runs.
+//
+// The function of a query may take locks, run other queries and make any other
+// call of the broad phase, except its destructor and assignments to it. It must
+// return on the thread that called the query. If the bodies change while it
+// runs, the query begins again after it. Each body that is there all the time
+// is reported once. A body that moves, comes or goes is reported at most once.
+// Queries with functions keep a list of what they have reported, in 8 KB of
+// stack, and beyond that 4 bytes a body (8 a pair) in the memory of
+// BroadPhaseOptions.
 //
 // Bounds are boxes or octahedra of floats in 2 or 3 dimensions. Builders
 // (fit.h) return octahedra: BoundSphere(sphere) is a bound of an
@@ -37,13 +44,12 @@
 //   size() may run at any time, also at the same time as the calls below. Two
 //   calls that change the same body must not run at the same time.
 // - Insert(), Erase(), SetMasks(), Update(), Rebuild(), UpdatePairs(), Load(),
-//   Save(), a copy, Statistics() and Validate() wait until no query runs, and
-//   then run alone, except that bodies may move. So a thread must not make one
-//   of these calls while it holds a lock that the function of a query needs.
-//   The function of a query must not make one: it throws (error.h). A query
-//   that begins lets a waiting call go first, for 50 us at most. If queries
-//   take longer and always overlap, the call may never run.
-// - A query never waits for a query, and Move() waits for nothing.
+//   Save(), a copy, Statistics() and Validate() run alone, except that bodies
+//   may move. They wait until no query reads the bodies, which is while no
+//   query is outside of its function. Queries that begin wait for them.
+// - A query never waits for a query, and Move() waits for nothing. No call
+// waits
+//   for a function of a query, so each may be made under any lock.
 // - The functions that calls that run alone call (PairFilter::keep, Runner and
 //   the function of Save()) must not call the broad phase, except Move(), Has()
 //   and Get().
@@ -144,7 +150,8 @@ struct UpdateOptions {
   // body has changed. Parts do not keep up with fast bodies. So if the ratio is
   // above 1.5, it adds up what the decay costs the searches for pairs, and
   // sorts all bodies when that is as much as a sort takes: every second frame
-  // where bodies cross two of their sides in a frame. The longest frame is one
+  // where bodies cross two of their sides in a frame. Until then it
+  // sorts no parts, unless few bodies changed. The longest frame is one
   // with such a sort, 30 to 70 ns a body longer than the others (Zen 5).
   std::size_t budget = kAutomatic;
   // Runs parts of a sort (runner.h).
@@ -162,11 +169,10 @@ struct BroadPhaseStatistics {
 // broad_phase.h has an example, and says which calls may run at the same time.
 //
 // Errors (error.h): an id is 2^31 or more, is inserted twice, or is not that of
-// a body; a list is null, misaligned, or has another size than `ids`; a call
-// that runs alone is made by the function of a query; the errors of bvh.h,
-// bvh_shapes.h, bvh_nearest.h and bvh_pairs.h. The call has then changed
-// nothing. A failed allocation throws std::bad_alloc. All bodies, their bounds,
-// masks and pairs are then as before.
+// a body; a list is null, misaligned, or has another size than `ids`; the
+// errors of bvh.h, bvh_shapes.h, bvh_nearest.h and bvh_pairs.h. The call has
+// then changed nothing. A failed allocation throws std::bad_alloc. All bodies,
+// their bounds, masks and pairs are then as before.
 //
 // Memory: boxes in 3 dimensions take 24 bytes for the bound and about 56 for
 // the record and the tree, and 8 more with masks. A pair takes 8 bytes after

@@ -91,7 +91,8 @@ struct BuildOptions {
   // that is much longer on one axis than on another, or if queries are long on
   // some axes. Without them, queries are taken to be about as large as the
   // objects (docs/choosing.md has measurements). The BVH keeps them: later
-  // sorts use them, and Rebuild() unless it gets others.
+  // sorts use them, and Rebuild() unless it gets others. A BVH without objects
+  // keeps none.
   std::optional<std::array<float, 3>> query_extents = {};
   // The resource of a new BVH (memory.h). Rebuild() does not read it: a BVH
   // keeps its resource.
@@ -104,7 +105,8 @@ struct BuildOptions {
   // `memory` maps a file for each block. 0 is off. Otherwise, if objects * (24
   // + sizeof(Bound)) > run_bytes, `quality` is not read: the build sorts runs
   // of `run_bytes` bytes as kFast does, and merges them. The tree is that of
-  // kFast. Only the current run is read in random order, so the system can
+  // kFast, unless a cell of the curve has more objects than a run and than
+  // 65 536. Only the current run is read in random order, so the system can
   // evict all other pages. `memory` provides 8 bytes and the bound for each
   // object besides the tree. hs_builder_create_file() (c/halfspace.h) does this
   // with files.
@@ -174,13 +176,11 @@ Span<const typename Bound::Scalar> ValuesOfAll(Span<const Bound> bounds) {
 // It converts from what the caller holds:
 //   - the view of the BVH, or an owning world of it (world.h);
 //   - a list of bounds: an array, a std::vector or a Span;
-//   - for a BVH of boxes also an AabbView<D, double>, an AabbWorld<D, double>,
-//   a
-//     list of Aabb<D, double>, or Boxes of floats or doubles (shapes.h), which
-//     may be strided. Doubles are rounded outward, so no overlap of the exact
-//     doubles is missed. A double that is a float stays equal. A build and a
-//     refit of doubles allocate 4 more bytes per plane and object, and free
-//     them.
+//   - for a BVH of boxes also an AabbView, an AabbWorld or a list of Aabb of
+//     doubles, or Boxes of floats or doubles (shapes.h), which may be strided.
+// Doubles are rounded outward, so no overlap of the exact doubles is missed. A
+// double that is a float stays equal. A build and a refit of doubles allocate 4
+// more bytes per plane and object, and free them.
 // For other shapes of doubles, use Bvh::Fitted() with a builder of fit_many.h.
 template <typename View>
 class BvhBounds {

@@ -39,10 +39,9 @@ class BroadPhase(Searches):
 
     Every call releases the interpreter's lock. Threads can query and move
     bodies at the same time, without any other lock. Two calls that change the
-    same body must not run at the same time. A query sees each body with a box
-    that it had during the query. `insert`, `erase`, `set_masks`, `update`,
-    `rebuild`, `update_pairs`, `save`, `load`, `copy` and `statistics` wait until
-    no query runs.
+    same body must not run at the same time. `insert`, `erase`, `set_masks`,
+    `update`, `rebuild`, `update_pairs`, `save`, `load`, `copy` and `statistics`
+    wait until no query runs.
 
     Examples
     --------

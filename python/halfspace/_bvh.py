@@ -501,17 +501,18 @@ class BVH(Searches):
         return self._tree.expected_leaves(_extents(query_extents, self.dims))
 
     def _warn_of_long_axes(self) -> None:
-        # Points say nothing about their queries. Those of float64 are rounded outward.
-        some = self.boxes(np.linspace(0, len(self) - 1, 64).astype(np.int64))
-        low, high = np.split(some, 2, axis=1)
-        if np.any(np.median(high - low > 2.0**-21 * np.maximum(-low, high), axis=0)):
-            return
         leaves = -(-len(self) // 64)
         lines = np.where(np.eye(self.dims, dtype=bool), np.inf, 0)
         expected = [self.expected_leaves(line) for line in lines]
         axis = int(np.argmax(expected))
         if expected[axis] < 12 * leaves ** (1 / self.dims):
             return
+        # Points say nothing about their queries. Those of float64 are rounded outward.
+        some = self.boxes(np.linspace(0, len(self) - 1, 64).astype(np.int64))
+        low, high = np.split(some, 2, axis=1)
+        with np.errstate(all="ignore"):
+            if np.any(np.median(high - low > 2.0**-21 * np.maximum(-low, high), axis=0)):
+                return
         warnings.warn(
             f"BVH: a query that does not limit axis {axis} reads about "
             f"{expected[axis]:.0f} of {leaves} leaves. The boxes are points, which do not "

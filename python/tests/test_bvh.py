@@ -55,7 +55,7 @@ def test_query_extents(rng):
         assert blind.expected_leaves(line) < 8
     for wrong in [1, 2], [1, 1, -1], [1, 1, np.nan], "abc":
         with pytest.raises(ValueError, match="query_extents"):
-            hs.BVH(points[:5].repeat(2, 1).reshape(5, 6), query_extents=wrong)
+            hs.BVH((points[:5], points[:5]), query_extents=wrong)
 
 
 # More than 4095 queries are joined with a tree.

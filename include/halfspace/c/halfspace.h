@@ -437,7 +437,8 @@ typedef struct hs_bvh_config {
                                // the extents of a typical query. INFINITY where
                                // queries do not limit an axis.
                                // BuildOptions::query_extents (bvh.h) says when
-                               // to give them. Read during the call.
+                               // to give them. Read by hs_bvh_create(),
+                               // hs_bvh_rebuild() and hs_builder_create().
 } hs_bvh_config;
 
 HALFSPACE_API hs_status hs_bvh_config_default(hs_bvh_config* config,
@@ -999,16 +1000,17 @@ HALFSPACE_API hs_status hs_bvh_verify(const hs_bvh* bvh);
 //   same body must not run at the same time.
 // - hs_broad_phase_insert(), ..._erase(), ..._set_masks(), ..._update(),
 //   ..._rebuild(), ..._update_pairs(), ..._load(), ..._save(), ..._copy(),
-//   ..._statistics() and ..._validate() wait until no query runs, and then run
-//   alone, except that bodies may move. So a thread must not call one of them
-//   while it holds a lock that the callback of a query needs. In the callback
-//   of a query they fail.
-// - A query never waits for a query, and ..._move() waits for nothing.
+//   ..._statistics() and ..._validate() run alone, except that bodies may move.
+//   They wait until no query runs outside of its callback.
+// - A query never waits for a query, and ..._move() waits for nothing. No call
+//   waits for a callback, so each may be made under any lock.
 // - hs_broad_phase_destroy() needs exclusive access, and nobody may read the
 //   pairs of the last update while ..._update_pairs() or ..._load() runs.
 //
-// A callback of a query can take locks, run queries and call ..._move(). It
-// must return on the thread that called the query.
+// A callback of a query can take locks and make any other call except
+// ..._destroy(). It must return on the thread that called the query. If the
+// bodies change while it runs, the query begins again after it. Each body that
+// is there all the time is reported once.
 typedef struct hs_broad_phase hs_broad_phase;
 
 // A query with mask m finds a body if `category & m` is not 0, and with all
@@ -1190,10 +1192,10 @@ HALFSPACE_API hs_status hs_broad_phase_load(hs_broad_phase* bodies,
 // - If more results are found than there is `room`, a second call can find
 //   other ones, as bodies can have moved.
 // - ..._nearest_...(), ..._pairs_of(), ..._pairs_of_each() and ..._bounds()
-//   copy the tree if bodies have moved since the last ..._update() and another
-//   query runs: ..._nearest_...() once for each record. So call ..._update()
-//   before them where queries run at the same time. The other searches allocate
-//   nothing.
+//   copy the tree if moves are seen at once, bodies have moved since the last
+//   ..._update(), and another query runs: ..._nearest_...() once for each
+//   record. Queries with callbacks keep a list of what they have reported,
+//   which takes memory from 2048 bodies on.
 // - ..._pairs_of() does not read `collides_with`, and does not call `keep`.
 //
 HALFSPACE_API hs_status hs_broad_phase_query(const hs_broad_phase* bodies,

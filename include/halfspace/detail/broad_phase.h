@@ -96,6 +96,8 @@ class HALFSPACE_API BroadPhaseCore {
                      Span<const std::uint32_t> ids, PairsFunction function,
                      void* context, const PairOptions& options) const;
   void UpdatePairs(const BvhPairKernels* kernels, const Runner& run);
+  // For the library and its tests alone.
+  BroadPhaseState& state() const { return *state_; }
 
  private:
   BroadPhaseState* state_;

@@ -390,40 +390,26 @@ TEST(BroadPhaseThreadsTest, AMoveThatMeetsAFlushIsNotLost) {
   EXPECT_TRUE(bodies.Validate());
 }
 
-// A call that runs alone begins when the query of another thread has ended, and
-// a query begins meanwhile.
-TEST(BroadPhaseThreadsTest, CallsThatRunAloneWaitForQueries) {
-  AabbBroadPhase3 bodies({.moves_are_seen_at_once = true});
+// The function of a query can wait for a change of another thread, such as one
+// that holds a lock which the function needs.
+TEST(BroadPhaseThreadsTest, TheFunctionOfAQueryMayWaitForAChange) {
+  AabbBroadPhase3 bodies;
   for (std::uint32_t id = 0; id < 100; ++id) {
     bodies.Insert(id, PlaceOf(id, false));
   }
-  for (const auto& named : CallsThatRunAlone(bodies)) {
-    std::atomic<bool> has_begun{false};
-    std::atomic<bool> has_ended{false};
-    std::thread other;
-    ForEachSurvivor(bodies, Aabb3::Everything(), [&](auto) {
-      if (other.joinable()) return;
-      other = std::thread([&] {
-        has_begun.store(true);
-        named.second();
-        has_ended.store(true);
-      });
-      while (!has_begun.load()) std::this_thread::yield();
-      for (std::size_t i = 0; i < 100; ++i) {
-        std::this_thread::yield();
-        EXPECT_EQ(CountSurvivors(bodies, Aabb3::Everything()), bodies.size());
-        bodies.Move(5, PlaceOf(5, i % 2 == 0));
-        EXPECT_TRUE(AnySurvivor(bodies, PlaceOf(5, i % 2 == 0)).has_value());
-      }
-      // Of a thread that is in no query.
-      std::thread([&] {
-        EXPECT_EQ(CountSurvivors(bodies, BothOf(5)) > 0, true);
-      }).join();
-      EXPECT_FALSE(has_ended.load());
-    });
-    other.join();
-    EXPECT_TRUE(has_ended.load());
+  for (const auto& [name, call] : CallsThatRunAlone(bodies)) {
+    std::size_t calls = 0;
+    const auto function = [&](auto...) {
+      if (calls++ == 0) std::thread(call).join();
+    };
+    ForEachSurvivor(bodies, Aabb3::Everything(), function);
+    EXPECT_GT(calls, 0u) << name;
   }
+  std::size_t calls = 0;
+  BoxCast(bodies, Aabb3::Everything(), {0, 0, 0}, 1, [&](std::uint32_t, float) {
+    if (calls++ == 0) std::thread([&] { bodies.Rebuild(); }).join();
+  });
+  EXPECT_EQ(calls, bodies.size());
 }
 
 }  // namespace

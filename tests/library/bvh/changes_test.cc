@@ -460,6 +460,24 @@ double LeavesOfQueries(const AabbBvh3& bvh, const std::vector<Aabb3>& boxes,
   return static_cast<double>(statistics.leaves) / kQueries;
 }
 
+// A crowded cell of the curve can begin anywhere in a block.
+TEST(BvhOrderTest, ACrowdedCellBeginsAnywhere) {
+  for (std::size_t first = 4030; first <= 4100; first += 3) {
+    Random random(first);
+    std::uniform_real_distribution<float> unit;
+    std::vector<Aabb3> boxes(first + 18'000);
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      for (float& x : boxes[i].min) {
+        x = (i * 7919 % boxes.size() < first ? 0 : 1e6f) + unit(random);
+      }
+      boxes[i].max = boxes[i].min;
+    }
+    const AabbBvh3 bvh(boxes, {.quality = BuildQuality::kFast});
+    ASSERT_EQ(CountSurvivors(bvh, {{-1, -1, -1}, {2, 2, 2}}), first);
+    ASSERT_LE(LeavesOfQueries(bvh, boxes, {0.01f, 0.01f, 0.01f}), 3.0);
+  }
+}
+
 // Its newest objects are sorted with each other alone, so a query visits leaves
 // of each age.
 TEST(BvhOrderTest, APartialRebuildOfAllSortsWhatWasInserted) {
