@@ -87,7 +87,9 @@ class Reported {
  public:
   explicit Reported(const BroadPhaseState& state)
       : memory_(state.options.memory),
-        ids_(BlockAllocator<std::uint32_t>(memory_.resource())) {}
+        ids_(BlockAllocator<std::uint32_t>(memory_.resource())) {
+    ids_.reserve(kFew);
+  }
 
   // Calls run(reading) until no change has interrupted it.
   template <typename Run>
@@ -129,6 +131,9 @@ class Reported {
   }
 
  private:
+  // The bodies that most casts report.
+  static constexpr std::size_t kFew = 64;
+
   CallMemory memory_;
   BlockVector<std::uint32_t> ids_;
   std::size_t before_ = 0;
@@ -187,6 +192,18 @@ void ForEachWithLate(const BroadPhaseState& state, const Reading& reading,
                    [&](const BvhTree& late) { return run(late, call); })) {
     run(state.tree, call_timely);
   }
+}
+
+// The same if some bodies can be late.
+template <typename Visit>
+void Search(const BroadPhaseState& state, const Reading& reading,
+            const BvhQueries& query, const QueryOptions& options,
+            const Visit& visit) {
+  if (!reading.is_exact()) {
+    return ForEachWithLate(state, reading, query, options, visit);
+  }
+  Callback callback{visit};
+  state.tree.ForEach(query, &decltype(callback)::Run, &callback, options);
 }
 
 }  // namespace
@@ -252,6 +269,29 @@ bool BroadPhaseCore::Any(const BvhQueries& query, std::uint32_t& id,
 
 void BroadPhaseCore::ForEach(const BvhQueries& query, IdsFunction function,
                              void* context, const QueryOptions& options) const {
+  // Most queries find a few bodies, and call the function once, at their end.
+  std::uint32_t few[512];
+  std::size_t count = 0;
+  bool are_few = true;
+  {
+    const Reading reading(*state_);
+    if (reading.is_exact()) {
+      count = state_->tree.Survivors(query, few, options, 0);
+      are_few = count <= std::size(few);
+    } else {
+      Search(*state_, reading, query, options,
+             [&](Span<const std::uint32_t> ids) {
+               are_few = ids.size() <= std::size(few) - count;
+               if (are_few) std::copy(ids.begin(), ids.end(), few + count);
+               count += ids.size();
+               return are_few;
+             });
+    }
+  }
+  if (are_few) {
+    if (count > 0) function(context, {few, count});
+    return;
+  }
   Reported reported(*state_);
   reported.RunAll(*state_, [&](Reading& reading) {
     const auto visit = [&](Span<const std::uint32_t> ids) {
@@ -261,11 +301,7 @@ void BroadPhaseCore::ForEach(const BvhQueries& query, IdsFunction function,
         return function(context, some);
       });
     };
-    if (!reading.is_exact()) {
-      return ForEachWithLate(*state_, reading, query, options, visit);
-    }
-    Callback callback{visit};
-    state_->tree.ForEach(query, &decltype(callback)::Run, &callback, options);
+    Search(*state_, reading, query, options, visit);
   });
 }
 
