@@ -150,8 +150,9 @@ class BVH(Searches):
         files, which the system can evict.
 
         The tree has the given quality if all boxes fit into one run, and otherwise it is
-        "fast". `query_extents` are those of `BVH`. The call uses one thread. Ctrl-C ends it between two chunks, but not while
-        it sorts after the last one. Raises OSError if a file cannot be written.
+        "fast". `query_extents` are those of `BVH`. The call uses one thread. Ctrl-C ends
+        it between two chunks, but not while it sorts after the last one. Raises OSError
+        if a file cannot be written.
         """
         if isinstance(chunks, np.ndarray):
             raise TypeError("chunks: expected a list or an iterator of arrays, got one array")
