@@ -419,12 +419,14 @@ void BodyHistory::QueryAndMove(std::size_t depth) {
             found.insert(found.end(), some.begin(), some.end());
             // Twice in the innermost: also between two parts of late bodies.
             if (calls++ > (depth == 0 ? 1 : 0)) return Visit::kContinue;
+#if !defined(_WIN32)  // where the DLL does not export it
             // As if a query of another thread ran: moved bodies stay late.
             detail::BroadPhaseState& state = bodies().state();
             std::optional<detail::Reading> other;
             if (!state.options.caller_locks && choices_.Below(2) == 0) {
               other.emplace(state);
             }
+#endif
             Move(choices_.Below(2) == 0 ? 3 : choices_.Below(most_bodies_));
             ExpectAnswers(bodies(), model_, choices_.Below(200));
             if (depth > 0) QueryAndMove(depth - 1);
