@@ -44,15 +44,13 @@ void SortAll(BroadPhaseState& state, BuildQuality quality, const Runner& run) {
 
 constexpr std::uint32_t kAllBits = 0xFFFFFFFF;
 
-// What the decay costs in this update.
+// What the decay costs in this update. In the default floating-point mode.
 double CostOf(const BroadPhaseState& state, double ratio, std::size_t changed) {
-  return dispatch::InDefaultFpMode([&] {
-    const auto size = static_cast<double>(state.tree.size());
-    const auto pairs = static_cast<double>(state.events.pairs().size());
-    // Bodies that do not move are searched for by those that do.
-    const double searched = std::min(1.0, static_cast<double>(changed) / size);
-    return searched * (ratio - 1) * (1 + pairs / size / 4);
-  });
+  const auto size = static_cast<double>(state.tree.size());
+  const auto pairs = static_cast<double>(state.events.pairs().size());
+  // Bodies that do not move are searched for by those that do.
+  const double searched = std::min(1.0, static_cast<double>(changed) / size);
+  return searched * (ratio - 1) * (1 + pairs / size / 4);
 }
 
 // Returns whether all were sorted.

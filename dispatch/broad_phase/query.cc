@@ -194,18 +194,6 @@ void ForEachWithLate(const BroadPhaseState& state, const Reading& reading,
   }
 }
 
-// The same if some bodies can be late.
-template <typename Visit>
-void Search(const BroadPhaseState& state, const Reading& reading,
-            const BvhQueries& query, const QueryOptions& options,
-            const Visit& visit) {
-  if (!reading.is_exact()) {
-    return ForEachWithLate(state, reading, query, options, visit);
-  }
-  Callback callback{visit};
-  state.tree.ForEach(query, &decltype(callback)::Run, &callback, options);
-}
-
 }  // namespace
 
 std::size_t BroadPhaseCore::Survivors(const BvhQueries& query,
@@ -271,24 +259,8 @@ void BroadPhaseCore::ForEach(const BvhQueries& query, IdsFunction function,
                              void* context, const QueryOptions& options) const {
   // Most queries find a few bodies, and call the function once, at their end.
   std::uint32_t few[512];
-  std::size_t count = 0;
-  bool are_few = true;
-  {
-    const Reading reading(*state_);
-    if (reading.is_exact()) {
-      count = state_->tree.Survivors(query, few, options, 0);
-      are_few = count <= std::size(few);
-    } else {
-      Search(*state_, reading, query, options,
-             [&](Span<const std::uint32_t> ids) {
-               are_few = ids.size() <= std::size(few) - count;
-               if (are_few) std::copy(ids.begin(), ids.end(), few + count);
-               count += ids.size();
-               return are_few;
-             });
-    }
-  }
-  if (are_few) {
+  const std::size_t count = Survivors(query, few, options, 0);
+  if (count <= std::size(few)) {
     if (count > 0) function(context, {few, count});
     return;
   }
@@ -301,7 +273,11 @@ void BroadPhaseCore::ForEach(const BvhQueries& query, IdsFunction function,
         return function(context, some);
       });
     };
-    Search(*state_, reading, query, options, visit);
+    if (!reading.is_exact()) {
+      return ForEachWithLate(*state_, reading, query, options, visit);
+    }
+    Callback callback{visit};
+    state_->tree.ForEach(query, &decltype(callback)::Run, &callback, options);
   });
 }
 
