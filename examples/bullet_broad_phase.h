@@ -117,7 +117,7 @@ class BulletBroadPhase : public btBroadphaseInterface {
     if (!bodies_.empty()) return;
     halfspace::BroadPhaseOptions options;
     options.filter = {&Keep, this};
-    options.moves_are_seen_at_once = true;  // as those of btDbvtBroadphase
+    options.moves_are_seen_at_once = true;  // as in Bullet
     bodies_ = halfspace::AabbBroadPhase3(options);
     proxies_.clear();
     free_.clear();

@@ -224,7 +224,7 @@ Tables RunWorlds(Run& run) {
   RunParts(run, parts);
   table.notes = {
       "Of boxes in 3 dimensions. A query finds about ten of 100 000. `over the "
-      "least`: the leaves over those of the best of the four builds."};
+      "least` divides the leaves by those of the best of the four builds."};
   return {table};
 }
 

@@ -24,7 +24,8 @@ namespace halfspace::detail {
 
 // What Update() has not sorted yet, and what that has cost.
 struct Wear {
-  // For which Update() has not sorted yet, without those of kForOrder.
+  // Changes that Update() has not sorted for yet, without those of the set
+  // Records::kForOrder.
   std::uint32_t changes = 0;
   // With changes, since all were sorted.
   std::uint32_t updates = 0;
