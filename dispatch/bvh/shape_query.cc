@@ -132,8 +132,13 @@ void MakeLine(const PlaneLayout& planes, const double* low, const double* high,
   if (limiting == 0) line.entering = line.planes = 0;
 }
 
-HalfSpaceTest MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
-                                float offset) {
+namespace {
+
+// Without loops of unknown length, and without the terms that a box lacks: a
+// list of six half-spaces takes half as long.
+template <std::size_t kDims, bool kHasMax>
+HalfSpaceTest TestOf(const PlaneLayout& planes, const float* normal,
+                     float offset) {
   constexpr std::uint64_t kOne = 1023;  // the exponent of 1
   // A simplex has only minima, so the normal is written as a combination of the
   // axes with factors of at most 0: `normal[k] - most` for axis k, and `-most`
@@ -141,26 +146,25 @@ HalfSpaceTest MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
   const bool is_sphere = planes.kind == PlaneLayout::kSphere;
   double most = 0;
   double squared = 0;
-  for (std::size_t k = 0; k < planes.dims; ++k) {
-    if (!planes.has_max && !is_sphere) {
+  for (std::size_t k = 0; k < kDims; ++k) {
+    if (!kHasMax && !is_sphere) {
       most = std::max(most, double{normal[k]});
     }
     squared += double{normal[k]} * normal[k];
   }
-  double factors[4] = {};
+  constexpr std::size_t kFactors = kDims + (kHasMax ? 0 : 1);
+  double factors[kFactors] = {};
   double largest = 0;
   bool is_finite = std::isfinite(offset);
-  for (std::size_t k = 0; k < planes.dims; ++k) {
+  for (std::size_t k = 0; k < kDims; ++k) {
     is_finite &= std::isfinite(normal[k]);
     factors[k] = normal[k] - most;
     largest = std::max(largest, std::abs(factors[k]));
   }
-  const std::size_t factor_count = planes.dims + (planes.has_max ? 0u : 1u);
-  if (!planes.has_max) {
+  if constexpr (!kHasMax) {
     // A sphere reaches as far as its radius times the length of the normal.
-    factors[planes.dims] =
-        is_sphere ? std::sqrt(squared) * (1 + 0x1p-50) : -most;
-    largest = std::max(largest, std::abs(factors[planes.dims]));
+    factors[kDims] = is_sphere ? std::sqrt(squared) * (1 + 0x1p-50) : -most;
+    largest = std::max(largest, std::abs(factors[kDims]));
   }
   // The factors are scaled by a power of two to 1/8 or less, so that finite
   // planes cannot overflow.
@@ -173,7 +177,7 @@ HalfSpaceTest MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
           : 1;
   HalfSpaceTest test{};
   bool tells = SetOffset(offset * scale, test) && is_finite;
-  for (std::size_t k = 0; tells && k < factor_count; ++k) {
+  for (std::size_t k = 0; tells && k < kFactors; ++k) {
     const double factor = factors[k] * scale;
     if (factor == 0) continue;
     // The rounding error of a subnormal factor has no bound relative to its
@@ -181,7 +185,7 @@ HalfSpaceTest MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
     tells = std::abs(factor) >= 0x1p-100;
     const auto min = static_cast<std::uint32_t>(k);
     const auto max = static_cast<std::uint32_t>(planes.axes + k);
-    const bool is_max = planes.has_max && factor > 0;
+    const bool is_max = kHasMax && factor > 0;
     test.term[test.terms++] = {is_max ? max : min,
                                is_max || is_sphere ? min : max,
                                static_cast<float>(factor * (1 + 0x1p-19)),
@@ -189,6 +193,18 @@ HalfSpaceTest MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
   }
   if (!tells) test = {0, 0, {}};
   return test;
+}
+
+}  // namespace
+
+HalfSpaceTest MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
+                                float offset) {
+  if (planes.has_max) {
+    return (planes.dims == 2 ? TestOf<2, true> : TestOf<3, true>)(
+        planes, normal, offset);
+  }
+  return (planes.dims == 2 ? TestOf<2, false> : TestOf<3, false>)(
+      planes, normal, offset);
 }
 
 namespace {
