@@ -37,7 +37,9 @@ constexpr double kFastSort = 1;  // in searches
 constexpr double kHighSort = 3;
 constexpr std::uint32_t kOften = 8;  // updates
 
-void SortAll(BroadPhaseState& state, BuildQuality quality, const Runner& run) {
+void SortAll(BroadPhaseState& state, Changing& changing, BuildQuality quality,
+             const Runner& run) {
+  changing.Begin(state.tree.size());
   BvhState::Of(state.tree).SortAll("BroadPhase::Update", quality, run);
   state.wear = {};
 }
@@ -54,8 +56,8 @@ double CostOf(const BroadPhaseState& state, double ratio, std::size_t changed) {
 }
 
 // Returns whether all were sorted.
-bool SortWorn(BroadPhaseState& state, double ratio, std::size_t changed,
-              const Runner& run) {
+bool SortWorn(BroadPhaseState& state, Changing& changing, double ratio,
+              std::size_t changed, const Runner& run) {
   if (!(ratio > kWorn) || changed == 0) return false;
   const bool is_often = state.wear.updates <= kOften;
   const bool is_due = dispatch::InDefaultFpMode([&] {
@@ -63,11 +65,13 @@ bool SortWorn(BroadPhaseState& state, double ratio, std::size_t changed,
     return !(state.wear.cost < (is_often ? kFastSort : kHighSort));
   });
   if (!is_due) return false;
-  SortAll(state, is_often ? BuildQuality::kFast : BuildQuality::kHigh, run);
+  SortAll(state, changing, is_often ? BuildQuality::kFast : BuildQuality::kHigh,
+          run);
   return true;
 }
 
-void Sort(BroadPhaseState& state, const UpdateOptions& options) {
+void Sort(BroadPhaseState& state, Changing& changing,
+          const UpdateOptions& options) {
   BvhTree& tree = state.tree;
   Wear& wear = state.wear;
   const bool is_automatic = options.budget == UpdateOptions::kAutomatic;
@@ -93,7 +97,7 @@ void Sort(BroadPhaseState& state, const UpdateOptions& options) {
   const bool is_all_decayed = ratio > kAllDecayed;
   std::size_t budget = options.budget;
   if (is_automatic) {
-    if (SortWorn(state, ratio, changed, options.run)) return;
+    if (SortWorn(state, changing, ratio, changed, options.run)) return;
     // All are sorted soon.
     if (ratio > kWorn && !IsSmallSet(changed, tree.size())) return;
     budget = tree.size() / 16;
@@ -103,8 +107,9 @@ void Sort(BroadPhaseState& state, const UpdateOptions& options) {
       budget = std::min(budget, due);
     }
   } else if (is_all_decayed && budget >= tree.size()) {
-    return SortAll(state, BuildQuality::kHigh, options.run);
+    return SortAll(state, changing, BuildQuality::kHigh, options.run);
   }
+  changing.Begin(budget);
   const std::size_t sorted =
       tree.RebuildPartial(std::max<std::size_t>(budget, 1), options.run);
   const std::size_t of_changes = sorted / kSortedOfChange;
@@ -283,13 +288,14 @@ void BroadPhaseCore::SetMasks(Span<const std::uint32_t> ids,
 }
 
 void BroadPhaseCore::Update(const UpdateOptions& options) {
-  const Changing changing(*state_);
+  Changing changing(*state_, Changing::kAllMarked);
   state_->Flush();
-  Sort(*state_, options);
+  Sort(*state_, changing, options);
 }
 
 void BroadPhaseCore::Rebuild(const Runner& run) {
-  const Changing changing(*state_);
+  Changing changing(*state_, Changing::kAllMarked);
+  changing.Begin(state_->tree.size());
   state_->Flush();
   BuildOptions options;
   options.run = run;

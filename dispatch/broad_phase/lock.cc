@@ -47,6 +47,7 @@ void ReadersLock::Use(std::size_t line) {
 }
 
 void ReadersLock::EnterSlowly(std::size_t line) {
+  has_waits_.store(true, std::memory_order_relaxed);
   do {
     Leave(line);
     for (Pause pause; is_closed_.load(std::memory_order_acquire);) pause();
@@ -63,23 +64,20 @@ bool ReadersLock::HasReaders() const {
   return readers != 0;
 }
 
-void ReadersLock::Lock() {
-  changes_.lock();
+void ReadersLock::Close() {
   is_closed_.store(true, std::memory_order_seq_cst);
+  if (!HasReaders()) return;
+  has_waits_.store(true, std::memory_order_relaxed);
   for (Pause pause; HasReaders();) pause();
 }
 
-bool ReadersLock::TryLock() {
+bool ReadersLock::TryLockAndClose() {
   if (!changes_.try_lock()) return false;
   is_closed_.store(true, std::memory_order_seq_cst);
   if (!HasReaders()) return true;
+  Open();
   Unlock();
   return false;
-}
-
-void ReadersLock::Unlock() {
-  is_closed_.store(false, std::memory_order_release);
-  changes_.unlock();
 }
 
 }  // namespace halfspace::detail

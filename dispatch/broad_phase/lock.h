@@ -1,10 +1,11 @@
 // Who may read the tree of a broad phase and who may change it.
 //
 // Each thread counts its queries on its own cache line, so queries write no
-// line of another thread. A change closes the lock and waits until all lines
-// are 0. A query that finds it closed leaves and waits until it is open. A
-// query has left when it calls a function of the caller's, so the queries that
-// a change waits for wait for nobody, and there is no deadlock.
+// line of another thread. One thread at a time has the right to change. It
+// closes the lock, waits until all lines are 0, and then has exclusive access.
+// A query that finds the lock closed leaves and waits until it is open. A query
+// has left when it calls a function of the caller's, so the queries that a
+// change waits for wait for nobody, and there is no deadlock.
 #ifndef HALFSPACE_DISPATCH_BROAD_PHASE_LOCK_H_
 #define HALFSPACE_DISPATCH_BROAD_PHASE_LOCK_H_
 
@@ -43,10 +44,21 @@ class ReadersLock {
     }
   }
 
-  // Waits for exclusive access, or returns whether it was there at once.
-  void Lock();
-  bool TryLock();
-  void Unlock();
+  // The right to change.
+  void Lock() { changes_.lock(); }
+  void Unlock() { changes_.unlock(); }
+  // With that right: waits for exclusive access, and ends it.
+  void Close();
+  void Open() { is_closed_.store(false, std::memory_order_release); }
+  // Both, if no other thread has the right and no query reads.
+  bool TryLockAndClose();
+
+  // With the right to change. Whether a query and a change have waited for each
+  // other since the last call.
+  bool HasWaits() const { return has_waits_.load(std::memory_order_relaxed); }
+  bool TakeWaits() {
+    return has_waits_.exchange(false, std::memory_order_relaxed);
+  }
 
  private:
   static constexpr std::size_t kOwnLines = 64;
@@ -73,6 +85,7 @@ class ReadersLock {
   static constinit inline thread_local std::size_t line_of_thread_ = 0;
 
   std::atomic<bool> is_closed_{false};
+  std::atomic<bool> has_waits_{false};
   std::atomic<std::size_t> used_{0};  // lines
   alignas(64) std::mutex changes_;
   Line lines_[kOwnLines + 1];

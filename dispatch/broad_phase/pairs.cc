@@ -50,8 +50,10 @@ class KeptPairs {
 void BroadPhaseCore::UpdatePairs(const BvhPairKernels* kernels,
                                  const Runner& run) {
   BroadPhaseState& state = *state_;
-  const Changing changing(state);
+  Changing changing(state, Changing::kAllMarked);
   state.Flush();
+  // Queries may read the tree during the search.
+  changing.ShowTree();
   const bool is_of_some =
       IsSmallSet(state.records.Count(Records::kForPairs), state.tree.size());
   CallMemory of_call(state.options.memory);

@@ -144,14 +144,14 @@ class Reported {
 template <typename Exact, typename Late>
 auto Ask(BroadPhaseState& state, const Exact& exact, const Late& late) {
   const Reading reading(state);
-  return reading.is_exact() ? exact(state.tree) : late(reading);
+  return reading.is_exact() ? exact(reading.tree()) : late(reading);
 }
 
 // Calls exact(tree), with a copy of the tree if some bodies are late.
 template <typename Exact>
 auto AskCopy(BroadPhaseState& state, const Exact& exact) {
   return Ask(state, exact, [&](const Reading& reading) {
-    BvhTree copy(state.tree, state.options.memory);
+    BvhTree copy(reading.tree(), state.options.memory);
     state.records.ForEachMarked([&](std::uint32_t id) {
       float planes[kMostBodyPlanes];
       if (reading.IsLate(id) && state.records.Read(id, planes)) {
@@ -190,7 +190,7 @@ void ForEachWithLate(const BroadPhaseState& state, const Reading& reading,
   LateLeaf leaf(state);
   if (leaf.ForEach(reading,
                    [&](const BvhTree& late) { return run(late, call); })) {
-    run(state.tree, call_timely);
+    run(reading.tree(), call_timely);
   }
 }
 
@@ -277,7 +277,7 @@ void BroadPhaseCore::ForEach(const BvhQueries& query, IdsFunction function,
       return ForEachWithLate(*state_, reading, query, options, visit);
     }
     Callback callback{visit};
-    state_->tree.ForEach(query, &decltype(callback)::Run, &callback, options);
+    reading.tree().ForEach(query, &decltype(callback)::Run, &callback, options);
   });
 }
 
@@ -340,7 +340,7 @@ void BroadPhaseCore::Cast(const LineCast& cast, NearFunction function,
       if (!leaf.ForEach(reading, run)) return;
       skips_late = true;
     }
-    run(state_->tree);
+    run(reading.tree());
   });
 }
 
@@ -381,7 +381,7 @@ std::size_t BroadPhaseCore::size() const {
 
 std::size_t BroadPhaseCore::id_limit() const {
   const Reading reading(*state_);
-  return state_->tree.id_limit();
+  return reading.tree().id_limit();
 }
 
 bool BroadPhaseCore::Has(std::uint32_t id) const {
@@ -399,7 +399,7 @@ BodyMasks BroadPhaseCore::MasksOf(std::uint32_t id) const {
   for (;;) {
     {
       const Reading reading(*state_);
-      if (Has(id)) return state_->MasksOf(id);
+      if (Has(id)) return state_->MasksOf(reading.tree(), id);
     }
     state_->CheckBodies("BroadPhase::MasksOf", {&id, 1});
   }
@@ -432,7 +432,8 @@ BroadPhaseStatistics BroadPhaseCore::Statistics() const {
   statistics.bodies = size();
   statistics.pairs = state_->events.pairs().size();
   statistics.bytes = sizeof(BroadPhaseState) + state_->records.bytes() +
-                     state_->tree.bytes() + state_->events.bytes() +
+                     state_->tree.bytes() + state_->tree_copy.bytes() +
+                     state_->events.bytes() +
                      state_->changed_slots.capacity() * sizeof(std::uint64_t) +
                      state_->collides_with.capacity() * sizeof(std::uint32_t);
   statistics.cost_ratio = state_->tree.CostRatio();

@@ -96,7 +96,16 @@ class Records {
     return time + time % 2;
   }
 
-  // These need that no other thread has exclusive access.
+  // These need that no other thread takes marks.
+
+  std::size_t CountMarks() const {
+    std::size_t count = 0;
+    ForEachMarked([&](std::uint32_t) {
+      ++count;
+      return true;
+    });
+    return count;
+  }
 
   // `id` is the id of a body.
   bool IsLate(std::uint32_t id, std::uint32_t time_of_query) const {

@@ -79,8 +79,9 @@ Span<const std::byte> BytesOf(const T* items, std::size_t count) {
 BroadPhaseCore::BroadPhaseCore(const BroadPhaseCore& other)
     : BroadPhaseCore(other.state_->type, other.state_->options) {
   BroadPhaseState& from = *other.state_;
-  const Changing changing(from);
+  Changing changing(from, Changing::kAllMarked);
   from.Flush();
+  changing.ShowTree();
   state_->records.ReserveListOf(from.records);
   state_->Adopt(BvhTree(from.tree, from.options.memory));
   state_->events = PairEventsCore(from.events, from.options.memory);
@@ -96,8 +97,9 @@ BroadPhaseCore::BroadPhaseCore(const BroadPhaseCore& other)
 
 void BroadPhaseCore::Save(SaveFunction function, void* context) const {
   BroadPhaseState& state = *state_;
-  const Changing changing(state);
+  Changing changing(state, Changing::kAllMarked);
   state.Flush();
+  changing.ShowTree();
   const auto changed = state.IdsOf(Records::kForPairs, state.options.memory);
   const auto changed_for_order =
       state.IdsOf(Records::kForOrder, state.options.memory);

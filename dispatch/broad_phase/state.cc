@@ -160,9 +160,10 @@ Reading::Reading(BroadPhaseState& state)
     if (options.caller_locks) {
       ++state.version;
       state.Flush();
-    } else if (state.lock.TryLock()) {
+    } else if (state.lock.TryLockAndClose()) {
       ++state.version;
       state.Flush();
+      state.lock.Open();
       state.lock.Unlock();
     }
   }
@@ -171,6 +172,29 @@ Reading::Reading(BroadPhaseState& state)
     is_exact_ = false;
     time_ = state.records.TimeOfQuery();
   }
+}
+
+void Changing::BeginBeside() {
+  // As many updates as make an exclusive one in between rare.
+  constexpr std::uint32_t kBeside = 64;
+  BroadPhaseState& state = state_;
+  if (state.lock.TakeWaits() && !state.options.moves_are_seen_at_once) {
+    state.beside = kBeside;
+  } else if (state.beside > 0 && --state.beside == 0) {
+    state.tree_copy = BvhTree(state.type, state.options.memory);
+  }
+  Begin(state.beside > 0 ? state.records.CountMarks() : 0);
+}
+
+void Changing::BeginBeside(std::size_t bodies) {
+  // A copy takes 1 to 2 ns for each body of the tree, and a flush 5 for each
+  // body that moved, if these are many (Zen 5).
+  constexpr std::size_t kCopied = 32;
+  if (state_.shown != &state_.tree) return;
+  if (bodies < state_.tree.size() / kCopied) return Close();
+  Open();
+  BvhState::Of(state_.tree_copy).CopyFrom(BvhState::Of(state_.tree));
+  Show(state_.tree_copy);
 }
 
 }  // namespace halfspace::detail

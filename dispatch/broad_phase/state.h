@@ -3,8 +3,9 @@
 //
 // Queries read the tree under the lock of readers. A thread with exclusive
 // access writes it. A flush copies the bounds of bodies with a mark from their
-// records into the tree. docs/design.md says who may run at the same time, and
-// why no change is lost.
+// records into the tree. Where queries and updates have met, queries read a
+// copy of the tree during an update. docs/design.md says who may run at the
+// same time, and why no change is lost.
 #ifndef HALFSPACE_DISPATCH_BROAD_PHASE_STATE_H_
 #define HALFSPACE_DISPATCH_BROAD_PHASE_STATE_H_
 
@@ -41,6 +42,7 @@ class BroadPhaseState {
         options(with),
         records(with.memory, its_type.plane_count),
         tree(its_type, with.memory),
+        tree_copy(its_type, with.memory),
         events(with.memory),
         changed_slots(BlockAllocator<std::uint64_t>(with.memory)),
         collides_with(BlockAllocator<std::uint32_t>(with.memory)) {}
@@ -61,9 +63,10 @@ class BroadPhaseState {
   BlockVector<std::uint32_t> IdsOf(Records::ChangedSet set,
                                    const MemoryResource& memory) const;
 
-  // The tree must not change at the same time.
-  BodyMasks MasksOf(std::uint32_t id) const {
-    const BvhLevels& levels = tree.levels();
+  // The tree, or its copy, must not change at the same time.
+  BodyMasks MasksOf(std::uint32_t id) const { return MasksOf(tree, id); }
+  BodyMasks MasksOf(const BvhTree& of, std::uint32_t id) const {
+    const BvhLevels& levels = of.levels();
     const std::uint32_t* const categories = levels.level[0].masks;
     BodyMasks masks;
     if (categories != nullptr) masks.category = categories[levels.slots[id]];
@@ -93,6 +96,11 @@ class BroadPhaseState {
   // Written with exclusive access. Each change has a version of its own.
   std::uint64_t version = 0;
   BvhTree tree;
+  // The tree that queries read: `tree`, or during an update `tree_copy`.
+  const BvhTree* shown = &tree;
+  BvhTree tree_copy;
+  // Updates go on beside queries so many times more.
+  std::uint32_t beside = 0;
   PairEventsCore events;
   Wear wear;
   // Whether an Update() with an automatic budget would compute the cost ratio
@@ -116,7 +124,7 @@ class BroadPhaseState {
 // bound that the body had during that time.
 class Reading {
  public:
-  // Flushes, if there are marks and no other query runs.
+  // Flushes, if the query has to see moves and no other query runs.
   explicit Reading(BroadPhaseState& state);
   Reading(const Reading&) = delete;
   Reading& operator=(const Reading&) = delete;
@@ -136,6 +144,7 @@ class Reading {
     return version == state_.version;
   }
 
+  const BvhTree& tree() const { return *state_.shown; }
   // Whether the tree has the bounds of all bodies. Otherwise some are late.
   bool is_exact() const { return is_exact_; }
   bool IsLate(std::uint32_t id) const {
@@ -159,21 +168,72 @@ class Reading {
   std::uint32_t time_ = 0;
 };
 
-// Exclusive access, during the life of an object of this class.
+// The right to change, during the life of an object of this class.
 class Changing {
  public:
-  explicit Changing(BroadPhaseState& state) : state_(state) {
-    if (!state.options.caller_locks) state.lock.Lock();
-    ++state.version;
+  // With exclusive access, or with what Begin() says for a change of all bodies
+  // that have a mark.
+  explicit Changing(BroadPhaseState& state) : Changing(state, Locked()) {
+    Close();
+  }
+  enum AllMarked : std::uint8_t { kAllMarked };
+  Changing(BroadPhaseState& state, AllMarked) : Changing(state, Locked()) {
+    if (state.beside != 0 || state.lock.HasWaits()) [[unlikely]] {
+      BeginBeside();
+    } else {
+      Close();
+    }
   }
   Changing(const Changing&) = delete;
   Changing& operator=(const Changing&) = delete;
   ~Changing() {
-    if (!state_.options.caller_locks) state_.lock.Unlock();
+    ShowTree();
+    if (HasLock()) state_.lock.Unlock();
+  }
+
+  // Lets the caller change the bounds and the order of so many bodies: with
+  // exclusive access, or, where it takes long and queries would wait, while
+  // queries read a copy of the tree as it was. Can be called again, for more
+  // bodies. May allocate.
+  void Begin(std::size_t bodies) {
+    if (state_.beside != 0) [[unlikely]] {
+      BeginBeside(bodies);
+    } else {
+      Close();
+    }
+  }
+  // Ends exclusive access. Queries read the tree.
+  void ShowTree() {
+    if (state_.shown != &state_.tree) Show(state_.tree);
+    Open();
   }
 
  private:
+  struct Locked {};
+  Changing(BroadPhaseState& state, Locked) : state_(state) {
+    if (HasLock()) state_.lock.Lock();
+  }
+  void BeginBeside();
+  void BeginBeside(std::size_t bodies);
+  bool HasLock() const { return !state_.options.caller_locks; }
+  void Close() {
+    if (is_closed_) return;
+    if (HasLock()) state_.lock.Close();
+    ++state_.version;
+    is_closed_ = true;
+  }
+  void Open() {
+    if (is_closed_ && HasLock()) state_.lock.Open();
+    is_closed_ = false;
+  }
+  void Show(const BvhTree& tree) {
+    Close();
+    state_.shown = &tree;
+    Open();
+  }
+
   BroadPhaseState& state_;
+  bool is_closed_ = false;
 };
 
 }  // namespace halfspace::detail

@@ -43,6 +43,8 @@ struct BvhRoom {
   std::size_t slots;
   std::size_t ids;  // 0 until a change by id, else at least `slots`
   bool has_masks;
+
+  bool operator==(const BvhRoom&) const = default;
 };
 
 // The planes of a bound: all minima, then all maxima.

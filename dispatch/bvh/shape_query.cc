@@ -200,11 +200,11 @@ HalfSpaceTest TestOf(const PlaneLayout& planes, const float* normal,
 HalfSpaceTest MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
                                 float offset) {
   if (planes.has_max) {
-    return (planes.dims == 2 ? TestOf<2, true> : TestOf<3, true>)(
-        planes, normal, offset);
+    return (planes.dims == 2 ? TestOf<2, true>
+                             : TestOf<3, true>)(planes, normal, offset);
   }
-  return (planes.dims == 2 ? TestOf<2, false> : TestOf<3, false>)(
-      planes, normal, offset);
+  return (planes.dims == 2 ? TestOf<2, false>
+                           : TestOf<3, false>)(planes, normal, offset);
 }
 
 namespace {

@@ -59,8 +59,14 @@ Span<const std::uint32_t> BvhTree::ids() const {
 
 BvhState::BvhState(const BvhState& other, const MemoryResource& memory)
     : BvhState(other.type_, memory) {
-  if (other.block_ == nullptr) return;
-  Allocate(other.Room());
+  CopyFrom(other);
+}
+
+void BvhState::CopyFrom(const BvhState& other) {
+  if (other.block_ == nullptr) return Free();
+  if (!is_owned_ || bytes_ != other.bytes_ || Room() != other.Room()) {
+    Allocate(other.Room());
+  }
   CopyButChecksum(block_, other.block_, bytes_);
   header().checksum = Checksum(other.header()).load();
   SetSlots(levels_, header().slots);

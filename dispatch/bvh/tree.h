@@ -52,6 +52,8 @@ class BvhState {
   // not count towards a sort of all.
   void PutOffSort() { header().inserted = 0; }
   // As Rebuild(), in the memory of the tree, whose pages are there.
+  // Becomes a copy, in its own memory if both have equal room.
+  void CopyFrom(const BvhState& other);
   void SortAll(const char* call, BuildQuality quality, const Runner& run);
   void EncodePath(std::size_t slot, bool is_new_block = false);
   void EncodeTouched(std::uint64_t* changed);

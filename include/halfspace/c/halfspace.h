@@ -1000,8 +1000,12 @@ HALFSPACE_API hs_status hs_bvh_verify(const hs_bvh* bvh);
 //   same body must not run at the same time.
 // - hs_broad_phase_insert(), ..._erase(), ..._set_masks(), ..._update(),
 //   ..._rebuild(), ..._update_pairs(), ..._load(), ..._save(), ..._copy(),
-//   ..._statistics() and ..._validate() run alone, except that bodies may move.
-//   They wait until no query runs outside of its callback.
+//   ..._statistics() and ..._validate() run one after another. Bodies may move
+//   at the same time. They wait until no query runs outside of its callback.
+//   Queries that begin wait for them, except for the search of
+//   ..._update_pairs() and the writes of ..._save() and ..._copy(). After such
+//   a call and a query have waited for each other, ..._update() and
+//   ..._rebuild() go on beside queries (broad_phase.h).
 // - A query never waits for a query, and ..._move() waits for nothing. No call
 //   waits for a callback, so each may be made under any lock.
 // - hs_broad_phase_destroy() needs exclusive access, and nobody may read the

@@ -307,6 +307,14 @@ void BodyHistory::Copy() {
 }
 
 std::size_t BodyHistory::Change() {
+  for (AnyBodies& bodies : all_) {
+    detail::BroadPhaseState& state = bodies.state();
+    if (state.options.moves_are_seen_at_once || state.options.caller_locks) {
+      continue;
+    }
+    // As if queries of other threads had waited.
+    state.beside = static_cast<std::uint32_t>(choices_.Below(3));
+  }
   const std::size_t what = choices_.Below(18);
   const std::size_t count = choices_.Below(8) == 0
                                 ? choices_.Below(most_bodies_)

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "dispatch/broad_phase/state.h"
 #include "halfspace/error.h"
 #include "halfspace/halfspace.h"
 #include "tests/library/broad_phase/history.h"
@@ -410,6 +411,58 @@ TEST(BroadPhaseThreadsTest, TheFunctionOfAQueryMayWaitForAChange) {
     if (calls++ == 0) std::thread([&] { bodies.Rebuild(); }).join();
   });
   EXPECT_EQ(calls, bodies.size());
+}
+
+// As after a query and an update that have waited for each other.
+TEST(BroadPhaseThreadsTest, QueriesGoOnDuringAnUpdate) {
+  constexpr std::uint32_t kCount = 4096;
+  const auto box_at = [](std::uint32_t place) {
+    const auto x = static_cast<float>(place);
+    return Aabb3{{x, 0, 0}, {x + 0.5f, 1, 1}};
+  };
+  Ids ids;
+  std::vector<Aabb3> before;
+  std::vector<Aabb3> after;
+  for (std::uint32_t id = 0; id < kCount; ++id) {
+    ids.push_back(id);
+    before.push_back(box_at(id));
+    // In neighbors that are far apart: all have to be sorted again.
+    after.push_back(box_at(id * 1021 % kCount));
+  }
+  AabbBroadPhase3 bodies;
+  const auto expect_at = [&](const std::vector<Aabb3>& boxes) {
+    std::thread([&] {
+      for (std::uint32_t id = 0; id < kCount; id += 99) {
+        Ids found(4);
+        found.resize(Survivors(bodies, boxes[id], found));
+        EXPECT_EQ(found, Ids{id});
+      }
+    }).join();
+  };
+  bodies.Insert(ids, before);
+  bodies.Rebuild();
+  const std::size_t bytes = bodies.Statistics().bytes;
+  CoreOf(bodies).state().beside = 2;
+  std::size_t runs = 0;
+  const auto run = [&](std::size_t count, const Runner::Part& part) {
+    if (runs++ == 0) expect_at(before);
+    for (std::size_t i = 0; i < count; ++i) part(i);
+  };
+  bodies.Move(ids, after);
+  bodies.Update({.budget = kCount, .run = run});
+  EXPECT_GT(runs, 0u);
+  EXPECT_GT(bodies.Statistics().bytes, bytes);
+  expect_at(after);
+  // Also during a search for pairs, at once at the new bounds.
+  runs = 0;
+  bodies.Move(ids, before);
+  bodies.UpdatePairs([&](std::size_t count, const Runner::Part& part) {
+    if (runs++ == 0) expect_at(before);
+    for (std::size_t i = 0; i < count; ++i) part(i);
+  });
+  EXPECT_GT(runs, 0u);
+  // Nothing has waited since, so the copy is no longer needed.
+  EXPECT_LE(bodies.Statistics().bytes - 8 * bodies.Statistics().pairs, bytes);
 }
 
 }  // namespace
