@@ -180,7 +180,7 @@ class Beside {
 };
 
 Table BesideTable(const Run& run) {
-  Table table{"beside",
+  Table table{"threads: beside",
               "queries of a broad phase while another thread changes it",
               {Key("bodies"), Key("the other thread"),
                Value("Mqueries/s", "", 3), Value("share of alone"),
@@ -191,8 +191,7 @@ Table BesideTable(const Run& run) {
     std::array<std::vector<double>, kOthers.size()> shares;
     std::array<std::vector<double>, kOthers.size()> p99;
     std::array<std::vector<double>, kOthers.size()> longest;
-    const std::size_t tries = std::max<std::size_t>(20, run.effort.repetitions);
-    for (std::size_t t = 0; t < tries; ++t) {
+    for (std::size_t t = 0; t < run.effort.repetitions; ++t) {
       double alone = 0;
       for (std::size_t o = 0; o < kOthers.size(); ++o) {
         const Beside::Result result = beside.Run(static_cast<Other>(o));
