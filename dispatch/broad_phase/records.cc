@@ -202,6 +202,17 @@ void Records::Reserve(Span<const std::uint32_t> ids) {
   }
 }
 
+void Records::ReserveAs(const Records& other) {
+  Grow(other.group_count());
+  other.ForEachGroup([&](std::size_t g, const Group& group) {
+    for (std::size_t w = 0; w < 64; ++w) {
+      if (group.records[w].load(std::memory_order_relaxed) == nullptr) continue;
+      const std::uint32_t id = IdOf(g, w, 0);
+      Reserve({&id, 1});
+    }
+  });
+}
+
 bool Records::Insert(std::uint32_t id, const float* planes) {
   Word* const record = Find(id);
   const std::uint64_t before = record->load(std::memory_order_relaxed);

@@ -74,25 +74,35 @@ Span<const std::byte> BytesOf(const T* items, std::size_t count) {
   return {reinterpret_cast<const std::byte*>(items), count * sizeof(T)};
 }
 
+bool AreEqual(const BroadPhaseOptions& a, const BroadPhaseOptions& b) {
+  return a.filter.keep == b.filter.keep &&
+         a.filter.context == b.filter.context && a.memory == b.memory &&
+         a.moves_are_seen_at_once == b.moves_are_seen_at_once &&
+         a.caller_locks == b.caller_locks;
+}
+
 }  // namespace
 
 BroadPhaseCore::BroadPhaseCore(const BroadPhaseCore& other)
     : BroadPhaseCore(other.state_->type, other.state_->options) {
+  Assign(other);
+}
+
+BroadPhaseCore& BroadPhaseCore::operator=(const BroadPhaseCore& other) {
+  if (this == &other) return *this;
+  if (state_ == nullptr || !AreEqual(state_->options, other.state_->options)) {
+    return *this = BroadPhaseCore(other);
+  }
+  Assign(other);
+  return *this;
+}
+
+void BroadPhaseCore::Assign(const BroadPhaseCore& other) {
   BroadPhaseState& from = *other.state_;
   Changing changing(from, Changing::kAllMarked);
   from.Flush();
   changing.ShowTree();
-  state_->records.ReserveListOf(from.records);
-  state_->Adopt(BvhTree(from.tree, from.options.memory));
-  state_->events = PairEventsCore(from.events, from.options.memory);
-  state_->collides_with = from.collides_with;
-  state_->wear = from.wear;
-  for (const auto set : {Records::kForPairs, Records::kForOrder}) {
-    from.records.ForEachOf(set, [&](std::uint32_t id) {
-      state_->records.Reserve({&id, 1});  // no body may have it
-      state_->records.Add(set, id);
-    });
-  }
+  state_->Assign(from);
 }
 
 void BroadPhaseCore::Save(SaveFunction function, void* context) const {

@@ -128,16 +128,41 @@ void BroadPhaseState::Adopt(BvhTree its_tree) {
   // Adds slots by id. Throws if the ids of the tree are wrong.
   its_tree.Reserve(its_tree.size());
   tree = std::move(its_tree);
-  const Span<const std::uint32_t> ids = tree.ids();
-  for (std::size_t slot = 0; slot < ids.size(); ++slot) {
-    if (ids[slot] == kNoId) continue;
+  // In the order of ids, so that records are written one after another.
+  const auto limit = static_cast<std::uint32_t>(tree.id_limit());
+  std::uint32_t reserved = kNoId;  // 64 ids
+  for (std::uint32_t id = 0; id < limit; ++id) {
+    if (!tree.Has(id)) continue;
+    if (id / 64 != reserved) records.Reserve({&id, 1});
+    reserved = id / 64;
     float values[kMostBodyPlanes];
-    tree.GetAt(slot, Span<float>(values, planes()));
-    records.Reserve({&ids[slot], 1});
-    records.Insert(ids[slot], values);
+    tree.GetAt(tree.levels().slots[id], Span<float>(values, planes()));
+    records.Insert(id, values);
   }
   size.store(tree.size(), std::memory_order_relaxed);
-  ReserveChanges(ids.size());
+  ReserveChanges(tree.ids().size());
+}
+
+void BroadPhaseState::Assign(const BroadPhaseState& from) {
+  records.ReserveAs(from.records);
+  events.Reserve(from.events);
+  collides_with.reserve(from.collides_with.size());
+  changed_slots.reserve(from.changed_slots.size());
+  BvhState::Of(tree).CopyFrom(BvhState::Of(from.tree));
+  // From here on nothing fails.
+  changed_slots.resize(from.changed_slots.size());
+  collides_with = from.collides_with;
+  events = from.events;
+  wear = from.wear;
+  is_sorted_enough = from.is_sorted_enough;
+  WithAxes(type.axes, [&](auto axes) {
+    const BvhLevels& levels = tree.levels();
+    records.Assign<axes>(
+        from.records, [&levels](std::uint32_t id, std::size_t plane) {
+          return levels.level[0].Value(plane, levels.slots[id]);
+        });
+  });
+  size.store(tree.size(), std::memory_order_relaxed);
 }
 
 void BroadPhaseState::Swap(BroadPhaseState& other) {

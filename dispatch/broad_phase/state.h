@@ -79,6 +79,10 @@ class BroadPhaseState {
   void Flush();
   // Takes the bodies of a tree. The state must have no bodies.
   void Adopt(BvhTree its_tree);
+  // Becomes a copy, in its own memory as far as that is enough. Needs exclusive
+  // access, and the right to change the other, which has been flushed and has
+  // the same type. If it throws, nothing has changed.
+  void Assign(const BroadPhaseState& from);
   // Needs exclusive access to both. Does not swap the options.
   void Swap(BroadPhaseState& other);
 

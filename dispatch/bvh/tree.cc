@@ -33,6 +33,11 @@ BvhTree::BvhTree(BvhTree&& other) noexcept
   Swap(other);
 }
 
+BvhTree& BvhTree::operator=(const BvhTree& other) {
+  if (this != &other) BvhState::Of(*this).CopyFrom(BvhState::Of(other));
+  return *this;
+}
+
 BvhTree::~BvhTree() { BvhState::Of(*this).~BvhState(); }
 
 void BvhTree::Swap(BvhTree& other) noexcept {

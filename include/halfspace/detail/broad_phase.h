@@ -37,9 +37,7 @@ class HALFSPACE_API BroadPhaseCore {
   }
   // Two operators, as in PlaneStore. A copy has the options of its source, so
   // it does not keep its resource, and a move never copies.
-  BroadPhaseCore& operator=(const BroadPhaseCore& other) {
-    return *this = BroadPhaseCore(other);
-  }
+  BroadPhaseCore& operator=(const BroadPhaseCore& other);
   BroadPhaseCore& operator=(BroadPhaseCore&& other) noexcept {
     BroadPhaseCore taken(std::move(other));
     std::swap(state_, taken.state_);
@@ -100,6 +98,8 @@ class HALFSPACE_API BroadPhaseCore {
   BroadPhaseState& state() const { return *state_; }
 
  private:
+  void Assign(const BroadPhaseCore& other);
+
   BroadPhaseState* state_;
 };
 

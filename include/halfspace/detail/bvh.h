@@ -155,7 +155,8 @@ class HALFSPACE_API BvhTree {
   BvhTree(const BvhTree& other, const MemoryResource& memory);
   BvhTree(const BvhTree& other) : BvhTree(other, MemoryResource()) {}
   BvhTree(BvhTree&& other) noexcept;
-  BvhTree& operator=(const BvhTree& other) { return AssignCopy(*this, other); }
+  // Into the memory that is there, if both have equal room.
+  BvhTree& operator=(const BvhTree& other);
   BvhTree& operator=(BvhTree&& other) { return AssignMove(*this, other); }
   ~BvhTree();
   friend void swap(BvhTree& a, BvhTree& b) noexcept { a.Swap(b); }

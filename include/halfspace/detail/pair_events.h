@@ -27,8 +27,13 @@ class HALFSPACE_API PairList {
   PairList(const PairList& other, const MemoryResource& memory);
   PairList(const PairList& other) : PairList(other, MemoryResource()) {}
   PairList(PairList&& other) noexcept : PairList(other.memory_) { Swap(other); }
+  // Into the memory that is there, if it is enough.
   PairList& operator=(const PairList& other) {
-    return AssignCopy(*this, other);
+    if (this == &other) return *this;
+    Reserve(other.size_);
+    size_ = 0;
+    for (const IdPair& pair : other) Add(pair);
+    return *this;
   }
   PairList& operator=(PairList&& other) { return AssignMove(*this, other); }
   ~PairList();
@@ -95,7 +100,12 @@ class HALFSPACE_API PairEventsCore {
     swap(*this, other);
   }
   PairEventsCore& operator=(const PairEventsCore& other) {
-    return AssignCopy(*this, other);
+    Reserve(other);
+    pairs_ = other.pairs_;
+    began_ = other.began_;
+    ended_ = other.ended_;
+    id_limit_ = other.id_limit_;
+    return *this;
   }
   PairEventsCore& operator=(PairEventsCore&& other) {
     return AssignMove(*this, other);
@@ -123,6 +133,12 @@ class HALFSPACE_API PairEventsCore {
               const PairListFilter& filter = {});
   void Clear();
   void Load(Span<const IdPair> pairs);
+  // An assignment of `other` then does not fail.
+  void Reserve(const PairEventsCore& other) {
+    pairs_.Reserve(other.pairs_.size());
+    began_.Reserve(other.began_.size());
+    ended_.Reserve(other.ended_.size());
+  }
 
  private:
   void UpdateAll(const PairSources& sources, const PairEventOptions& options,

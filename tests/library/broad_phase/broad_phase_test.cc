@@ -558,6 +558,12 @@ TEST(BroadPhaseMemoryTest, AssignmentsThatFailChangeNothing) {
   EXPECT_EQ(to.pairs().size(), 1u);
   from = std::move(to);
   to = from;
+  // Into the memory that is there.
+  to.Move(Ids{1, 2}, std::vector<Aabb3>(2, kFar));
+  to.Update();
+  const std::size_t allocations = memory.allocations;
+  to = from;
+  EXPECT_EQ(memory.allocations, allocations);
   EXPECT_EQ(FoundIn(to, kUnit), (Ids{1, 2}));
   to.Erase(1);
   EXPECT_TRUE(from.Has(1));

@@ -302,6 +302,10 @@ void BodyHistory::Move(std::size_t count) {
 
 void BodyHistory::Copy() {
   model_.Update();
+  if (all_.size() > 1 && choices_.Below(2) == 0) {
+    Try(all_[1], [&] { all_[1] = bodies(); });
+    return;
+  }
   all_.erase(all_.begin() + 1, all_.end());
   Try(bodies(), [&] { all_.push_back(bodies()); });
 }
