@@ -188,8 +188,10 @@ struct BroadPhaseStatistics {
 // have gaps. An empty broad phase takes about 6 KB.
 //
 // Copies: a copy has the same bodies, masks, pairs and options, and from then
-// on returns the same answers and events in the same order. An object that was
-// moved from may only be destroyed or assigned to.
+// on returns the same answers and events in the same order. An assignment to an
+// object with the same options reuses its memory, so that a world can be saved
+// and restored in each frame (docs/porting.md). An object that was moved from
+// may only be destroyed or assigned to.
 template <typename ViewType>
 class BroadPhase {
  public:
