@@ -8,15 +8,11 @@
 //
 // jolt.cmake does that to a copy, and builds Jolt's unit tests.
 //
-// - Jolt calls AddBodies, RemoveBodies and NotifyBodiesLayerChanged under locks
-//   of bodies, for which the function of a query can wait. Insert(), Erase()
-//   and SetMasks() wait for queries. So these changes are queued, and applied
-//   by the next FrameSync(), or by the next query outside a step.
-// - Moves are never queued, except those of a body that is to be inserted.
-// - A query outside a step finds all bodies that were added before it, and no
-//   query reports a body that was removed before it.
-// - Functions of queries may lock bodies and run other queries. As with Jolt's
-//   own broad phase, a thread must not query while it holds a lock of a body.
+// - A query finds all bodies that were added before it, where they are now, and
+//   none that was removed before it.
+// - Jolt adds and removes bodies under locks of bodies, for which the function
+//   of a query can wait. No change waits for the function of a query.
+// - Functions of queries may lock bodies and run other queries.
 // - There are at most 32 broad phase layers.
 #ifndef HALFSPACE_EXAMPLES_ENGINES_JOLT_BROAD_PHASE_H_
 #define HALFSPACE_EXAMPLES_ENGINES_JOLT_BROAD_PHASE_H_
@@ -52,7 +48,6 @@ class BroadPhaseHalfspace final : public BroadPhase {
   template <typename Collector>
   auto OnHit(Collector& hits, const ObjectLayerFilter& objects) const {
     return [&](Id id, float fraction) {
-      const InFunction in_function;
       const BodyID body = Wanted(id, objects);
       if (!body.IsInvalid()) hits.AddHit({body, fraction});
       return halfspace::Limit{hits.ShouldEarlyOut()
@@ -72,61 +67,46 @@ class BroadPhaseHalfspace final : public BroadPhase {
     states_ = std::make_unique<State[]>(bodies->GetMaxBodies());
   }
 
-  void Optimize() override {
-    Apply();
-    bodies_.Rebuild();
-  }
-
-  // The last call before a step in which no body is locked. So it may wait for
-  // queries whose functions lock bodies.
-  void FrameSync() override {
-    Apply();
-    bodies_.Update();
-  }
-
-  // The step between these two holds the locks of all bodies.
-  void LockModifications() override { in_step_ = true; }
-  void UnlockModifications() override { in_step_ = false; }
+  void Optimize() override { bodies_.Rebuild(); }
+  void FrameSync() override { bodies_.Update(); }
 
   // Jolt has found the pairs of a step. Bodies move between here and the next.
   void UpdateFinalize(const UpdateState&) override { has_pairs_ = false; }
 
   void AddBodiesFinalize(BodyID* ids, int number, AddState) override {
-    for (int i = 0; i < number; ++i) At(ids[i]).SetInBroadPhaseInternal(true);
-    Queue(Change::kInsert, ids, number);
+    for (int i = 0; i < number; ++i) {
+      Report(ids[i], ids[i].GetIndexAndSequenceNumber());
+      At(ids[i]).SetInBroadPhaseInternal(true);
+    }
+    const List& list = ListOf(ids, number);
+    bodies_.Insert(list.ids, list.bounds, list.masks);
   }
 
   void RemoveBodies(BodyID* ids, int number) override {
-    for (int i = 0; i < number; ++i) At(ids[i]).SetInBroadPhaseInternal(false);
-    Queue(Change::kErase, ids, number);
+    for (int i = 0; i < number; ++i) {
+      Report(ids[i], BodyID::cInvalidBodyID);
+      At(ids[i]).SetInBroadPhaseInternal(false);
+    }
+    bodies_.Erase(ListOf(ids, number).ids);
   }
 
   void NotifyBodiesLayerChanged(BodyID* ids, int number) override {
-    Queue(Change::kSetMasks, ids, number);
-    NotifyBodiesAABBChanged(ids, number, true);
+    for (int i = 0; i < number; ++i) {
+      Report(ids[i], ids[i].GetIndexAndSequenceNumber());
+    }
+    const List& list = ListOf(ids, number);
+    bodies_.SetMasks(list.ids, list.masks);
+    bodies_.Move(list.ids, list.bounds);
   }
 
   void NotifyBodiesAABBChanged(BodyID* ids, int number, bool) override {
-    thread_local std::vector<Id> moved;
-    thread_local std::vector<Box> bounds;
-    moved.clear();
-    bounds.clear();
-    for (int i = 0; i < number; ++i) {
-      const Id id = ids[i].GetIndex();
-      if (states_[id].queued.load(std::memory_order_acquire) > 0) {
-        Queue(Change::kMove, &ids[i], 1);
-        continue;
-      }
-      moved.push_back(id);
-      bounds.push_back(BoxOf(At(ids[i]).GetWorldSpaceBounds()));
-    }
-    bodies_.Move(moved, bounds);
+    const List& list = ListOf(ids, number);
+    bodies_.Move(list.ids, list.bounds);
   }
 
   void CastRay(const RayCast& ray, RayCastBodyCollector& hits,
                const LayerFilter& layers,
                const ObjectLayerFilter& objects) const override {
-    Apply();
     const float limit = std::clamp(hits.GetEarlyOutFraction(), 0.0f, 1.0f);
     const halfspace::Ray3 line = {PointOf(ray.mOrigin), PointOf(ray.mDirection),
                                   limit};
@@ -136,7 +116,6 @@ class BroadPhaseHalfspace final : public BroadPhase {
   void CastAABox(const AABoxCast& cast, CastShapeBodyCollector& hits,
                  const LayerFilter& layers,
                  const ObjectLayerFilter& objects) const override {
-    Apply();
     CastAABoxNoLock(cast, hits, layers, objects);
   }
 
@@ -220,88 +199,41 @@ class BroadPhaseHalfspace final : public BroadPhase {
   }
 
   AABox GetBounds() const override {
-    Apply();
     const Box all = bodies_.Bounds();
     return AABox(Vec3(all.min[0], all.min[1], all.min[2]),
                  Vec3(all.max[0], all.max[1], all.max[2]));
   }
 
  private:
-  struct Change {
-    enum Kind { kInsert, kErase, kSetMasks, kMove } kind;
-    Id id;
-    Box bound;
-    halfspace::BodyMasks masks;
-  };
-
-  // What queries report of a body. It changes when a change is queued.
+  // What queries report of a body.
   struct State {
     std::atomic<Id> body_id{BodyID::cInvalidBodyID};
     std::atomic<ObjectLayer> layer{0};
-    std::atomic<int> queued{0};  // insertions and moves
   };
-
-  // A thread that runs the function of a query must not change the bodies.
-  struct InFunction {
-    InFunction() { ++depth; }
-    ~InFunction() { --depth; }
-    static inline thread_local int depth = 0;
-  };
-
-  void Queue(Change::Kind kind, const BodyID* ids, int number) {
-    std::lock_guard lock(changes_mutex_);
-    for (int i = 0; i < number; ++i) {
-      const Body& body = At(ids[i]);
-      const Id id = ids[i].GetIndex();
-      State& state = states_[id];
-      state.body_id = kind == Change::kErase
-                          ? BodyID::cInvalidBodyID
-                          : ids[i].GetIndexAndSequenceNumber();
-      state.layer = body.GetObjectLayer();
-      if (kind == Change::kInsert || kind == Change::kMove) ++state.queued;
-      changes_.push_back({kind, id, BoxOf(body.GetWorldSpaceBounds()),
-                          MasksOf(body.GetBroadPhaseLayer())});
-    }
-    has_changes_ = true;
+  void Report(const BodyID& id, Id body_id) {
+    State& state = states_[id.GetIndex()];
+    state.body_id = body_id;
+    state.layer = At(id).GetObjectLayer();
   }
 
-  // Makes the changes that wait. The calls of bodies_ wait for queries, so
-  // changes_mutex_ is not held around them.
-  void Apply() const {
-    if (!has_changes_ || in_step_ || InFunction::depth > 0) return;
-    std::lock_guard apply(apply_mutex_);
-    std::vector<Change> changes;
-    {
-      std::lock_guard lock(changes_mutex_);
-      changes.swap(changes_);
-    }
-    Make(changes);
-    std::lock_guard lock(changes_mutex_);
-    has_changes_ = !changes_.empty();
-  }
-
-  void Make(const std::vector<Change>& changes) const {
+  struct List {
     std::vector<Id> ids;
     std::vector<Box> bounds;
     std::vector<halfspace::BodyMasks> masks;
-    for (std::size_t i = 0; i < changes.size();) {
-      const Change::Kind kind = changes[i].kind;
-      ids.clear();
-      bounds.clear();
-      masks.clear();
-      for (; i < changes.size() && changes[i].kind == kind; ++i) {
-        ids.push_back(changes[i].id);
-        bounds.push_back(changes[i].bound);
-        masks.push_back(changes[i].masks);
-      }
-      if (kind == Change::kInsert) bodies_.Insert(ids, bounds, masks);
-      if (kind == Change::kErase) bodies_.Erase(ids);
-      if (kind == Change::kSetMasks) bodies_.SetMasks(ids, masks);
-      if (kind == Change::kMove) bodies_.Move(ids, bounds);
-      if (kind == Change::kInsert || kind == Change::kMove) {
-        for (const Id id : ids) --states_[id].queued;
-      }
+  };
+  // Of the calling thread, until its next call.
+  const List& ListOf(const BodyID* ids, int number) const {
+    thread_local List list;
+    list.ids.clear();
+    list.bounds.clear();
+    list.masks.clear();
+    for (int i = 0; i < number; ++i) {
+      const Body& body = At(ids[i]);
+      list.ids.push_back(ids[i].GetIndex());
+      list.bounds.push_back(BoxOf(body.GetWorldSpaceBounds()));
+      list.masks.push_back(MasksOf(body.GetBroadPhaseLayer()));
     }
+    return list;
   }
 
   void FindPairs(float distance) const {
@@ -319,13 +251,11 @@ class BroadPhaseHalfspace final : public BroadPhase {
   void Collide(const Query& query, CollideShapeBodyCollector& hits,
                const LayerFilter& layers,
                const ObjectLayerFilter& objects) const {
-    Apply();
     halfspace::QueryOptions options;
     options.mask = MaskOf(layers);
     ForEachSurvivor(
         bodies_, query,
         [&](Ids ids) {
-          const InFunction in_function;
           for (const Id id : ids) {
             const BodyID body = Wanted(id, objects);
             if (!body.IsInvalid()) hits.AddHit(body);
@@ -369,14 +299,8 @@ class BroadPhaseHalfspace final : public BroadPhase {
     return {PointOf(box.mMin), PointOf(box.mMax)};
   }
 
-  // Queries are const, and apply changes.
-  mutable halfspace::AabbBroadPhase3 bodies_{
+  halfspace::AabbBroadPhase3 bodies_{
       halfspace::BroadPhaseOptions{.moves_are_seen_at_once = true}};
-  mutable std::mutex apply_mutex_;
-  mutable std::mutex changes_mutex_;
-  mutable std::vector<Change> changes_;
-  mutable std::atomic<bool> has_changes_{false};
-  std::atomic<bool> in_step_{false};
   unsigned layers_ = 0;
   std::unique_ptr<State[]> states_;  // by id
 

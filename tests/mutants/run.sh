@@ -44,7 +44,8 @@ copy_sources() {
 # A static library: tests call what a shared one does not export.
 configure() {
   cmake -S "$copy" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=None \
-    -DCMAKE_CXX_FLAGS=-O1 -DHALFSPACE_BUILD_TESTS=ON -DHALFSPACE_INSTALL=OFF
+    -DCMAKE_CXX_FLAGS=-O1 -DHALFSPACE_BUILD_TESTS=ON -DHALFSPACE_INSTALL=OFF \
+    -DHALFSPACE_C=OFF
 }
 
 # compile: the library and its tests.
