@@ -385,7 +385,8 @@ std::size_t BvhTree::RebuildPartial(std::size_t objects, const Runner& run) {
   // from one group to another change their group. A group that is sorted alone
   // would keep its objects, wherever they are.
   std::sort(worn + 1, worn + alike, [](const auto& a, const auto& b) {
-    return std::tie(a.overlap, a.growth) > std::tie(b.overlap, b.growth);
+    return std::tie(a.overlap, a.growth, b.group) >
+           std::tie(b.overlap, b.growth, a.group);
   });
   std::size_t bad = 1;
   while (bad < std::min(most, alike) &&

@@ -509,7 +509,8 @@ using AaboBvh3 = Bvh<AaboView3>;
 // returns the full number. Elements of `ids` behind the last id may be
 // overwritten. The first `skip` ids are not written, so that a call whose `ids`
 // were too short can be continued. The order of the ids is the same in each
-// call with the same arguments and target, until the BVH changes.
+// call with the same arguments, on every target and machine, until the BVH
+// changes (docs/api-stability.md).
 template <typename Tree, typename View = detail::SearchedView<Tree>,
           typename Query = typename View::Query,
           typename Asked = detail::BvhAsked<View, Query>>

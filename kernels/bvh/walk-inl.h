@@ -590,10 +590,11 @@ void RunWalk(const detail::Walk& walk) {
   Walker<Query, kWrites>(walk).Run();
 }
 
-// Simplices and plain code use only the Walker, because few queries would gain.
+// Simplices use only the Walker, because few of their queries would gain. Plain
+// code gains nothing, but finds the objects in the order of other targets.
 template <size_t kAxes, bool kHasMax, bool kWrites>
 void RunPlaneWalk(const detail::Walk& walk) {
-  if constexpr (kHasMax && kHasVectors) {
+  if constexpr (kHasMax) {
     if (PlainWalk<kAxes, kWrites>(walk).Run()) return;
   }
   RunWalk<PlaneQueries<kAxes, kHasMax>, kWrites>(walk);
