@@ -215,7 +215,7 @@ hs_status hs_bvh_get_all(const hs_bvh* bvh, float* records, size_t room) {
     const auto ids = tree.ids();
     std::array<float, halfspace::c::kMostValues> its_values;
     for (size_t slot = 0; slot < ids.size(); ++slot) {
-      // Of no object, or in an altered blob.
+      // An empty slot, or an altered blob.
       if (ids[slot] >= limit) continue;
       tree.GetAt(slot, {its_values.data(), bvh->objects.count});
       halfspace::c::WriteRecord(*bvh, its_values.data(),

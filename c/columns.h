@@ -132,7 +132,7 @@ class Results {
 
   std::size_t total() const { return total_; }
 
-  // Of the next results: how many are skipped, and where the others go.
+  // How many of the next results are skipped, and where the others go.
   std::size_t skip() const { return skip_ > total_ ? skip_ - total_ : 0; }
   std::size_t written() const {
     return std::min(total_ > skip_ ? total_ - skip_ : 0, room_);

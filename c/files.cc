@@ -33,7 +33,7 @@ namespace {
             error.message().c_str());
 }
 
-// Of a call of the C library, or of POSIX.
+// The error of the last call of the C library or of POSIX.
 std::error_code LastError() { return {errno, std::generic_category()}; }
 
 std::filesystem::path PathOf([[maybe_unused]] const Call& call,

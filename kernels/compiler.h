@@ -6,7 +6,7 @@
 #if defined(__GNUC__) || defined(__clang__)
 #define HALFSPACE_NOINLINE __attribute__((noinline))
 #define HALFSPACE_ALWAYS_INLINE inline __attribute__((always_inline))
-// Of the next loop.
+// Unrolls the next loop.
 #define HALFSPACE_UNROLL _Pragma("GCC unroll 16")
 #else  // MSVC
 #include <intrin.h>

@@ -12,7 +12,7 @@
 
 namespace halfspace::bench {
 
-// Of the program.
+// Exit codes of the program.
 inline constexpr int kExitOk = 0;
 inline constexpr int kExitWrongAnswer = 1;
 inline constexpr int kExitUsage = 2;

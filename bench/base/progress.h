@@ -52,7 +52,7 @@ class Estimate {
   double fraction_ = 0.0;  // of it,
   double updated_ = 0.0;   // which was done at that time
   double done_ = 0.0;
-  // Of the parts that are over.
+  // Sums over the parts that are over.
   double guessed_ = 0.0;
   double seconds_ = 0.0;
 };

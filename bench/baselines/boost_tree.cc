@@ -100,7 +100,7 @@ struct RegisterNodeSize {
     Register<NearestTree, BoostNearest<kNodeSize>>();
   }
 };
-// Of 24 worlds, nodes of 32 were the fastest in one, by 1 %.
+// Nodes of 32 were the fastest in one of 24 worlds, by 1 %.
 const RegisterNodeSize<8> kNodesOf8;
 const RegisterNodeSize<16> kNodesOf16;
 

@@ -38,7 +38,7 @@ class Box2dSpace : public BodySpace<2> {
     PairsAmong(ids, found, [&](auto function) { ForEachPair(function); });
   }
 
-  // Of b2BroadPhase::UpdatePairs().
+  // b2BroadPhase::UpdatePairs() calls it.
   void AddPair(void* a_data, void* b_data) {
     IndexPair pair = {IdOfData(a_data), IdOfData(b_data)};
     if (pair[0] > pair[1]) std::swap(pair[0], pair[1]);

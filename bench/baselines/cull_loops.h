@@ -20,7 +20,7 @@ struct CullLoop {
   const char* name;
   CullInput input;
   bool writes_bytes;  // an object's byte is 1, or else its bit of a word
-  // Of a multiple of 64 objects. Normals have the length 1.
+  // n is a multiple of 64. Normals have the length 1.
   void (*run)(const float* const* planes, std::size_t n,
               const HalfSpace3* frustum, std::uint64_t* kept);
 };

@@ -43,7 +43,7 @@ class FclSpace : public BodySpace<3> {
     space_.registerObjects(objects_);
     space_.setup();
   }
-  // Of many, update() of all is faster.
+  // If many bodies move, update() of all is faster.
   void Step(Ids ids, Boxes boxes) override {
     SetBoxes(ids, boxes);
     if (4 * ids.size() > bodies_.size()) {

@@ -40,7 +40,7 @@ template <int kDims>
 std::unique_ptr<BodySpace<kDims>> MakeScan(std::size_t bodies) {
   return std::make_unique<ScanSpace<kDims>>(bodies);
 }
-// Of more bodies, a frame takes it seconds.
+// With more bodies a frame takes seconds.
 const Registered<BodySpace<2>> kScan2("scan", &MakeScan<2>, 4096);
 const Registered<BodySpace<3>> kScan3("scan", &MakeScan<3>, 4096);
 

@@ -25,7 +25,7 @@ struct TargetLoops {
                std::size_t count) = nullptr;
 };
 
-// Of a supported target.
+// The target must be supported.
 TargetLoops LoopsFor(Target target);
 
 }  // namespace halfspace::bench

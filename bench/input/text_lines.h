@@ -31,7 +31,7 @@ std::string ReadText(const std::string& path);
 
 class TextLines {
  public:
-  // Of the file at `path`. Throws InputError if it is empty.
+  // The text of the file at `path`. Throws InputError if it is empty.
   TextLines(std::string path, std::string text);
 
   // Lines are views into the text.
@@ -42,7 +42,7 @@ class TextLines {
   // one.
   std::optional<std::string_view> Next();
 
-  // Of the line that Next() returned last, counted from 1.
+  // The number of the line that Next() returned last, from 1 on.
   std::size_t number() const { return number_; }
 
   // Throws InputError at the current line, or at `line`.

@@ -31,7 +31,7 @@ inline Ratio GroupRange(std::vector<double> groups) {
   std::sort(groups.begin(), groups.end());
   const std::size_t left_out = groups.size() < 10 ? 0 : 1;
   const std::size_t middle = groups.size() / 2;
-  // Of two equal values, as the mean of two infinite ones is no number.
+  // One of two equal values, as the mean of two infinite ones is no number.
   const double median =
       groups.size() % 2 == 1 || groups[middle - 1] == groups[middle]
           ? groups[middle]

@@ -66,7 +66,7 @@ struct Ratio {
   }
 };
 Ratio RatioOf(const Timing& numerator, const Timing& denominator);
-// Of each pair of repetitions.
+// The ratio of each pair of repetitions.
 std::vector<double> RatiosOf(const Timing& numerator,
                              const Timing& denominator);
 

@@ -15,7 +15,7 @@ constexpr std::size_t kObjects = 32768;
 constexpr std::size_t kQueries = 8192;
 
 void AddRows(Run& run, const char* name, const NextPoints& next, Table& table) {
-  // Of the same points, on each kind of axes.
+  // Bounds of the same points, on each kind of axes.
   constexpr std::array<const char*, 2> kAxes = {"standard", "regular"};
   const auto bound_next = [&next]() -> std::array<Aabo3, 2> {
     const std::span<const float> points = next();

@@ -73,8 +73,8 @@ constexpr const char* NameOf(Way way) {
   return kNames[static_cast<std::size_t>(way)];
 }
 
-// Of a box or a simplex, with the vectors that the library uses for one query.
-// `planes_of_stage` is 1 or 2. Writes the reject mask.
+// Scans boxes or simplices with the vectors that the library uses for one
+// query. `planes_of_stage` is 1 or 2. Writes the reject mask.
 using StagedScan = void (*)(ShapeKind shape, Way way,
                             std::size_t planes_of_stage,
                             const float* const* planes, const float* query,
@@ -91,7 +91,7 @@ struct PaperLoops {
   StagedScan staged = nullptr;  // and where vectors have no known length
 };
 
-// Of a supported target.
+// The target must be supported.
 PaperLoops PaperLoopsFor(Target target);
 
 // A case of the paper's schedule.

@@ -51,7 +51,7 @@ Table DensityTable(const Verdict& verdict, std::size_t target,
     const auto objects = static_cast<double>(world.objects);
     const PerShape<double> survivors = world.MeanSurvivors();
     const double box = survivors.aabb / objects;
-    // Of too few survivors nothing can be told.
+    // Too few survivors tell nothing.
     constexpr double kFewest = 30.0 / kTimedQueries;
     const bool is_counted = survivors.aabb >= kFewest;
     const double c = is_counted ? survivors.simplex / survivors.aabb : 1.0;

@@ -72,7 +72,7 @@ class VolumeSet {
   // Scans for one query after the other; checked, and timed per object.
   Case MakeCase(Volume volume, const Options& options);
 
-  // Of the first `queries` queries.
+  // The survivors of the first `queries` queries.
   std::size_t Survivors(Volume volume, std::size_t queries);
 
  private:

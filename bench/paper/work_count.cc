@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kWordObjects = 64;
 
-// Of each shape.
+// The order in which the planes of each shape are tested.
 constexpr std::array<std::span<const Plane>, 3> kOrders = {
     kAabbOrder, kSimplexOrder, kAaboOrder};
 

@@ -36,11 +36,11 @@ class WorkCounter {
   void Add(const Aabo3& query);
   WorkCount Average() const;
 
-  // Of all queries.
+  // The sum over all queries.
   const PerShape<std::size_t>& survivors() const { return survivors_; }
 
-  // Of each half-space of a shape, the share of objects that the ones before it
-  // leave: Pr[S_k] at w = 1.
+  // The share of objects that reach each half-space of a shape: Pr[S_k] at
+  // w = 1.
   std::vector<double> Reached(ShapeKind shape) const;
 
  private:

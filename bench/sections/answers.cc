@@ -25,7 +25,7 @@ namespace {
 
 constexpr std::array<std::size_t, 5> kStructuresObjects = {100, 1000, 10'000,
                                                            100'000, 1'000'000};
-// Of the section: AnswersTable(), and each row of StructuresTable().
+// The parts of the section: AnswersTable(), and each row of StructuresTable().
 constexpr std::size_t kParts = 1 + kStructuresObjects.size();
 
 // Adds a scan of floats, one of uint8, and a BVH, each of which answers queries

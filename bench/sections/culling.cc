@@ -182,8 +182,8 @@ void AddCullRows(Run& run, CullScene& scene, const char* order,
     });
   };
   constexpr std::size_t kChecked = 50;
-  // Of six half-spaces each contestant keeps the same, up to rounding, and with
-  // a box around them fewer.
+  // By six half-spaces each contestant keeps the same objects, up to rounding,
+  // and with a box around them fewer.
   const auto add = [&](const char* by, Who who, bool has_box, auto call,
                        auto count) {
     std::size_t right = 0;

@@ -99,7 +99,8 @@ class Run {
   // That of --exact-ns, or of a pair of triangles.
   ExactTest TheExactTest();
 
-  // Of the verdict: as many as repetitions, if these are given and fewer.
+  // Groups of the verdict: as many as repetitions, if these are given and
+  // fewer.
   std::size_t VerdictGroups() const;
   // Simplex against box. The first call measures the groups that are missing.
   const Verdict& TheVerdict();

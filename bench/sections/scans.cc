@@ -150,7 +150,7 @@ struct Scene {
     }
   }
 
-  // Of each query, by a flat scan.
+  // The survivors of each query, by a flat scan.
   std::vector<std::size_t> CountsOf(ShapeKind shape) const {
     std::vector<std::size_t> found(queries.size());
     queries.With(shape, objects.view(), [&](const auto& view, const auto& all) {

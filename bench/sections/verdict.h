@@ -69,14 +69,14 @@ struct GroupTimes {
 struct VerdictWorld {
   double percent = 0.0;  // of the world's side that an object takes; 0: a file
   std::size_t objects = 0;
-  // Of a query, in each group; and of each column and group.
+  // survivors[g] is the mean of a query in group g. times[column][group].
   std::vector<PerShape<double>> survivors = {};
   std::vector<std::vector<GroupTimes>> times = {};
 
   std::string name() const;
-  // Of each group.
+  // A time for each group.
   Timing TimingOf(std::size_t column, std::size_t contender) const;
-  // Of a query, the mean of the groups: kappa.
+  // Survivors of a query, the mean of the groups: kappa.
   PerShape<double> MeanSurvivors() const;
   // The times with that exact test.
   Ratio BoxOverSimplex(std::size_t column, double exact_ns) const;
@@ -95,7 +95,7 @@ std::string SimplexText(const Crossings& crossings,
                         std::span<const double> sizes);
 std::string BoxAgainText(const Crossings& crossings,
                          std::span<const double> sizes);
-// Of a file, which has objects of one kind.
+// The verdict of a file, which has objects of one kind.
 std::string RatioText(const Ratio& box_over_simplex);
 
 class Verdict {
@@ -111,7 +111,7 @@ class Verdict {
   // with the longest vectors.
   std::size_t best_column() const { return best_column_; }
   const std::vector<VerdictWorld>& worlds() const { return worlds_; }
-  // Of the worlds, in percent.
+  // The sizes of objects in the worlds, in percent.
   const std::vector<double>& sizes() const { return sizes_; }
   bool is_of_file() const { return sizes_.front() == 0.0; }
   // Where the simplex is faster; with exact tests of the best column alone.

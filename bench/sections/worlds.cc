@@ -37,7 +37,7 @@ struct UnevenWorld {
   const char* queries;
   Extents query;
 };
-// Of 100 000 objects a query finds about ten.
+// A query finds about ten of 100 000 objects.
 constexpr UnevenWorld kWorlds[] = {
     {"points in a cube", {1, 1, 1}, 0, kPoint, "cubes", {.046f, .046f, .046f}},
     {"points in a cube", {1, 1, 1}, 0, kPoint, "any z", {.01f, .01f, kAny}},

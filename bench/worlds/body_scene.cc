@@ -22,7 +22,7 @@ struct Recipe {
 float Uniform(Random& random) { return 0.5f * (random.Signed() + 1.0f); }
 float TenthPower(Random& random) { return std::pow(Uniform(random), 10.0f); }
 
-// Of Irwin and Hall: nearly normal.
+// The exponential of an Irwin-Hall sum, which is nearly normal.
 float LogNormal(Random& random) {
   const float sum =
       random.Signed() + random.Signed() + random.Signed() + random.Signed();

@@ -9,8 +9,8 @@
 
 namespace halfspace::bench {
 
-// Of std::, only the engine gives the same numbers everywhere; distributions
-// are up to the implementation.
+// The engines of the standard library give the same numbers everywhere. Its
+// distributions do not.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}

@@ -78,7 +78,7 @@ class ReadersLock {
     }
   }
   void EnterSlowly(std::size_t line);
-  // Of a closed lock.
+  // The lock must be closed.
   bool HasReaders() const;
 
   // 1 more than the number of the line, or 0 in a new thread.

@@ -347,7 +347,7 @@ class Records {
   void MoveEach(std::index_sequence<kWord...> each,
                 Span<const std::uint32_t> ids, const float* planes);
   std::uint64_t Mark(Group& group, std::size_t w, std::uint64_t bits);
-  // Of marks that have been set.
+  // The stamp of bodies whose marks have been set.
   std::uint64_t TimeOfStamp() {
     std::uint32_t time = time_.load(std::memory_order_seq_cst);
     if (time % 2 == 0) time = time_.fetch_or(1, std::memory_order_seq_cst);

@@ -591,7 +591,7 @@ void BvhState::Append(const Columns& bounds, const BvhRoom& room,
       const std::size_t slot = is_short ? FindSlot(values) : slots();
       Put(slot, id_of(i), values);
       if (words == nullptr) return EncodePath(slot, slot % kBlockObjects == 0);
-      // Of a new block, all is encoded.
+      // All slots of a new block are encoded.
       words[slot / 64] |=
           slot < begin ? std::uint64_t{1} << slot % 64 : ~std::uint64_t{0};
     });

@@ -70,7 +70,7 @@ class Determinants {
   double Sum() const { return dispatch::SumExactly(terms_).value; }
 
  private:
-  // Of a product of two floats, which is exact in double.
+  // a and b are floats, whose product is exact in double.
   void AddProduct(double a, double b) {
     const double product = a * b;
     terms_[count_++] = product;

@@ -37,7 +37,7 @@ std::string TextOf(Scalar value) {
          ++digits) {
       std::snprintf(printed.data(), printed.size(), "%.*g", digits,
                     double{value});
-      // Of a float the text of 9 digits is another double.
+      // The 9 digits of a float are another double.
       const double read = std::strtod(printed.data(), nullptr);
       if (std::abs(read) <= Limits::max() &&
           static_cast<Scalar>(read) == value) {

@@ -62,7 +62,7 @@ void CheckIndices(Span<const std::uint32_t> indices, std::size_t points) {
   }
 }
 
-// Of Points or PointsSoa.
+// `any` is Points or PointsSoa.
 template <template <int, typename> class Shape>
 void BoundHull(const detail::AnyShape& any,
                const Span<const std::uint32_t>* indices, FitStatus* status) {

@@ -118,7 +118,7 @@ inline void FindNonzero(const Scan& scan, Tested& tested) {
 // Tests a chunk on quantized bounds that floats refine: writes its words, and
 // prefetches and lists the candidates.
 //
-// Of octahedra only the minima are tested. They usually leave so few candidates
+// Only the minima of octahedra are tested. They usually leave so few candidates
 // that testing these by their floats is faster than testing the maxima, which
 // are four more cache lines for each word. If more than a quarter of the words
 // are nonzero, the maxima are tested too.

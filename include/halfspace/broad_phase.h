@@ -296,7 +296,7 @@ class BroadPhase {
     core_.UpdatePairs(detail::PairKernels<View>(), run);
   }
 
-  // Of the last UpdatePairs(): all pairs, those that were not there after the
+  // All pairs of the last UpdatePairs(), those that were not there after the
   // UpdatePairs() before, and those that were and are not now. a < b. began()
   // and ended() are sorted by a, then by b, and pairs() are in any order. A
   // pair of bodies that were erased ends. A body that was erased and inserted

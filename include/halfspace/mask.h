@@ -35,7 +35,7 @@ inline std::size_t PopCount(std::uint64_t word) {
   return static_cast<std::size_t>(word * 0x0101010101010101u >> 56);
 }
 
-// Of a word that is not 0.
+// `word` is not 0.
 inline std::size_t LowestBit(std::uint64_t word) {
 #if defined(__GNUC__) || defined(__clang__)
   return static_cast<std::size_t>(__builtin_ctzll(word));

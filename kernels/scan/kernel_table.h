@@ -53,7 +53,7 @@ struct TargetKernels {
   std::size_t few_objects;
   std::size_t few_octahedra;
 
-  // Of at most 64 words: which are not 0, and the bits in those.
+  // Which of at most 64 words are not 0, and how many bits these have.
   std::uint64_t (*nonzero_words)(const std::uint64_t* words, std::size_t count);
   std::size_t (*count_bits)(const std::uint64_t* words, std::uint64_t nonzero);
 };

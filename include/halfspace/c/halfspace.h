@@ -1126,7 +1126,7 @@ HALFSPACE_API hs_status hs_broad_phase_rebuild(
 HALFSPACE_API hs_status hs_broad_phase_update_pairs(
     hs_broad_phase* bodies, const hs_update_options* options);
 
-// Of the last ..._update_pairs(): all pairs, in any order; those that were not
+// All pairs of the last ..._update_pairs(), in any order; those that were not
 // there after the ..._update_pairs() before; and those that were and are not
 // now. a < b, and the last two lists are sorted by a, then by b. The pairs of
 // erased bodies end. Valid until the next ..._update_pairs() or ..._load().

@@ -198,11 +198,11 @@ class HALFSPACE_API BvhTree {
   void Clear();
   void Reserve(std::size_t objects);
 
-  // Of one object; of all objects by id.
+  // Sets the mask of one object, or of all objects by id.
   void SetMasks(std::uint32_t id, std::uint32_t mask);
   void SetMasks(Span<const std::uint32_t> masks);
 
-  // Of some objects, whose bounds are by id.
+  // Refits some objects. The bounds are by id.
   void Refit(Span<const std::uint32_t> ids, const Columns& bounds);
   // The bounds of the objects anew, by id or by slot.
   void Refit(const Columns& objects, bool is_by_id, const Runner& run);

@@ -51,7 +51,7 @@ class HALFSPACE_API PairList {
   void Reserve(std::size_t count) {
     if (count > capacity_) Grow(count);
   }
-  // Of those that have room and were written.
+  // There must be room, and the pairs must have been written.
   void SetSize(std::size_t size) { size_ = size; }
   // There must be room.
   void Add(IdPair pair) { data_[size_++] = pair; }

@@ -85,8 +85,8 @@ inline constexpr std::size_t kPlaneCount =
 // The planes of a type of bound: minima of X, Y, ..., and of D if there is one
 // axis more than dimensions, and as many maxima or none.
 //
-// Of spheres: the coordinates of centers, and radii. They are no k-DOPs, and
-// only flat scans by shapes know them.
+// The planes of spheres are the coordinates of centers, and radii. Spheres are
+// no k-DOPs, and only flat scans by shapes know them.
 struct PlaneLayout {
   enum Kind : std::uint8_t { kSimplex, kAabb, kAabo, kSphere };
 
@@ -118,8 +118,8 @@ struct PlaneLayout {
   bool has_max = false;
   Kind kind = kSimplex;
   std::uint8_t plane_count = 0;
-  // Of planes, 0 without maxima; of a query's values, of which there are as
-  // many: a query of simplices has maxima alone.
+  // The first maximum among the planes, 0 without maxima, and among the values
+  // of a query. A query of simplices has maxima alone.
   std::uint8_t first_max = 0;
 };
 

@@ -36,7 +36,7 @@ struct QueryValues {
   }
 };
 
-// Of kernels.h: maxima after minima, or maxima alone.
+// `query` is that of kernels.h: maxima after minima, or maxima alone.
 template <size_t kMins, size_t kMaxs, typename T>
 HWY_INLINE QueryValues<T> ValuesOf(const T* query) {
   return {query + (kMaxs == 0 ? 0 : kMins), query};
