@@ -20,7 +20,8 @@
 namespace halfspace::dispatch {
 
 static_assert(FLT_EVAL_METHOD == 0,
-              "excess precision (x87) breaks the error-free sums");
+              "halfspace needs floats without excess precision: on 32-bit x86 "
+              "compile it with -msse2 -mfpmath=sse");
 
 struct TwoSumResult {
   double sum;
