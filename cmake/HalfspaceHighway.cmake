@@ -93,7 +93,7 @@ file(STRINGS "${HALFSPACE_HIGHWAY_INCLUDE}/hwy/detect_targets.h" known_targets
 set(left_out SSE2 SSSE3 AVX3_DL AVX3_ZEN4 AVX3_SPR AVX10_2 NEON_BF16)
 # NEON of 32-bit ARM flushes subnormals in every mode, so a bound might not enclose its
 # shape. It has no doubles either.
-if(CMAKE_SYSTEM_PROCESSOR MATCHES "^arm" AND CMAKE_SIZEOF_VOID_P EQUAL 4)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(arm|aarch64)" AND CMAKE_SIZEOF_VOID_P EQUAL 4)
   list(APPEND left_out NEON NEON_WITHOUT_AES)
 endif()
 set(HALFSPACE_DISABLED_TARGETS "")
