@@ -5,9 +5,9 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 source "$root/scripts/steps.sh"
 source "$root/scripts/packages.sh"
 source "$root/scripts/build.sh"
-source "$root/scripts/arm.sh"
+source "$root/scripts/machines.sh"
 
-usage='usage: ./test.sh [--full] [--arm | --windows] [CTEST ARGUMENT...]
+usage="usage: ./test.sh [--full] [--arm | --windows | --machine NAME] [CTEST ARGUMENT...]
 
 Installs what is missing, builds the library in 3 dimensions, and runs the tests that
 can fail on one machine and pass on another: scans on every target that the machine
@@ -24,10 +24,14 @@ builders; the choice of a target; and threads.
              mingw-w64, and runs in wine, at a tenth of their scale, the same tests except
              those that need GMP, the tests of the C API, the examples, and cpuinfo-bench
              from the zip that cpack makes
+  --machine NAME
+             for ${machines[*]} instead, or all for one after
+             another: cross-compiles the library in 3 dimensions, and runs under qemu the
+             hashes of answers and the tests of the bytes of a BVH and of a broad phase
 
 Other arguments are options of ctest that choose tests and what is printed, as in
 ./test.sh -R Range.
-HALFSPACE_TEST_SCALE=0.1 makes random tests a tenth as long, here and natively.'
+HALFSPACE_TEST_SCALE=0.1 makes random tests a tenth as long, here and natively."
 
 preset=release
 is_full=
@@ -36,6 +40,20 @@ while [ $# -gt 0 ]; do
     --full) is_full=1 ;;
     --arm) preset=aarch64 ;;
     --windows) preset=windows ;;
+    --machine)
+      shift
+      preset=machine
+      case " ${machines[*]} " in
+        *" ${1-} "*) chosen=("$1") ;;
+        *)
+          if [ "${1-}" != all ]; then
+            say "./test.sh: --machine \"${1-}\" is none of ${machines[*]} and all."
+            exit 2
+          fi
+          chosen=("${machines[@]}")
+          ;;
+      esac
+      ;;
     -h | --help)
       printf '%s\n' "$usage"
       exit 0
@@ -72,7 +90,9 @@ else
   prepare_machine
 fi
 if [ "$preset" = aarch64 ]; then prepare_arm; fi
-if [ "$preset" = windows ]; then
+if [ "$preset" = machine ]; then
+  for machine in "${chosen[@]}"; do test_machine "$machine" "$@"; done
+elif [ "$preset" = windows ]; then
   install_packages "${windows_packages[@]}"
   build_preset windows "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG" -DHALFSPACE_UNITY=ON \
     "${windows_tests[@]}"

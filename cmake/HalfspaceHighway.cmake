@@ -90,9 +90,14 @@ set(HALFSPACE_LEAVE_OUT_TARGETS "" CACHE STRING
     "Targets not to compile besides, as in SSE4;AVX2")
 file(STRINGS "${HALFSPACE_HIGHWAY_INCLUDE}/hwy/detect_targets.h" known_targets
      REGEX "^#define HWY_[A-Z0-9_]+ \\(1LL")
+set(left_out SSE2 SSSE3 AVX3_DL AVX3_ZEN4 AVX3_SPR AVX10_2 NEON_BF16)
+# NEON of 32-bit ARM flushes subnormals in every mode, so a bound might not enclose its
+# shape. It has no doubles either.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(arm|aarch64)" AND CMAKE_SIZEOF_VOID_P EQUAL 4)
+  list(APPEND left_out NEON NEON_WITHOUT_AES)
+endif()
 set(HALFSPACE_DISABLED_TARGETS "")
-foreach(name SSE2 SSSE3 AVX3_DL AVX3_ZEN4 AVX3_SPR AVX10_2 NEON_BF16
-             ${HALFSPACE_LEAVE_OUT_TARGETS})
+foreach(name ${left_out} ${HALFSPACE_LEAVE_OUT_TARGETS})
   if(known_targets MATCHES "HWY_${name} ")
     list(APPEND HALFSPACE_DISABLED_TARGETS "HWY_${name}")
   endif()

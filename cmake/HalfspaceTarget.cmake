@@ -19,6 +19,11 @@ function(halfspace_configure_target target)
     target_compile_options(${target} PRIVATE
       -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion
       -fno-fast-math -ffp-contract=off)
+    # The registers of x87 keep more digits than a float has.
+    if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(i.86|x86|x86_64|AMD64)$" AND
+       CMAKE_SIZEOF_VOID_P EQUAL 4)
+      target_compile_options(${target} PRIVATE -msse2 -mfpmath=sse)
+    endif()
     # gcc notes that passing wide vectors changed its ABI; no such function
     # leaves a translation unit.
     target_compile_options(${target} PRIVATE
@@ -35,7 +40,8 @@ function(halfspace_configure_target target)
     endif()
     # gcc cannot tell that the destructor of DefaultFpMode takes its address back, where it
     # knows nothing of the functions that change the mode.
-    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_SYSTEM_PROCESSOR STREQUAL "s390x")
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND
+       NOT CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|i.86|aarch64|arm64)$")
       target_compile_options(${target} PRIVATE -Wno-dangling-pointer)
     endif()
   endif()

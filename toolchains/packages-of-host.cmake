@@ -1,6 +1,7 @@
 # Headers from Debian's packages for the machine that compiles: they are the same for every
 # machine. By links, as /usr/include has headers of other packages, too. The CMake packages
 # of these headers, and of Google Benchmark, are those of the folder `packages`.
+set(HALFSPACE_PACKAGES_OF_HOST ON)
 set(headers "${CMAKE_BINARY_DIR}/headers")
 foreach(name hwy CLI nlohmann)
   if(EXISTS "/usr/include/${name}")

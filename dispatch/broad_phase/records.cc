@@ -240,7 +240,10 @@ void Records::Erase(std::uint32_t id) {
 
 void Records::Swap(Records& other) {
   list_.store(other.list_.exchange(list_));
-  has_marks_.store(other.has_marks_.exchange(has_marks_));
+  // Not by exchange(): gcc 12 has that of a byte on riscv64 in a library.
+  const bool has_marks = has_marks_;
+  has_marks_ = other.has_marks_.load();
+  other.has_marks_ = has_marks;
   time_.store(other.time_.exchange(time_));
   std::swap(bytes_, other.bytes_);
   std::swap(counts_, other.counts_);

@@ -157,7 +157,7 @@ void BroadPhaseCore::Load(Span<const std::byte> bytes) {
       header.version != kVersion || header.planes != state.planes()) {
     ThrowNotSaved(
         "bytes of BroadPhase::Save() of this type, byte order and format 2",
-        "others");
+        header.version >> 24 != 0 ? "bytes in the other byte order" : "others");
   }
   // The bytes may be misaligned.
   BroadPhaseCore loaded(state.type, state.options);

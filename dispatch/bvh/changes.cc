@@ -44,7 +44,7 @@ std::uint32_t FindTwice(Span<const std::uint32_t> ids,
   auto* const table = reinterpret_cast<std::uint32_t*>(scratch.data());
   std::fill_n(table, size, kNoId);
   for (const std::uint32_t id : ids) {
-    std::size_t i = (std::uint64_t{id * kOdd} << bits) >> 32;
+    auto i = static_cast<std::size_t>((std::uint64_t{id * kOdd} << bits) >> 32);
     while (table[i] != kNoId && table[i] != id) i = (i + 1) % size;
     if (table[i] == id) return id;
     table[i] = id;

@@ -20,7 +20,15 @@
 namespace halfspace::dispatch {
 
 static_assert(FLT_EVAL_METHOD == 0,
-              "excess precision (x87) breaks the error-free sums");
+              "halfspace needs floats without excess precision: on 32-bit x86 "
+              "compile it with -msse2 -mfpmath=sse");
+#if defined(__SOFTFP__)
+// gcc 12: 1 - 0x1.012fa25ddbd03p-33 is the double below the nearest one.
+static_assert(false,
+              "halfspace needs sums that are rounded right, and floating point "
+              "in software rounds some wrongly: on 32-bit ARM compile it with "
+              "-march=armv6k+fp -mfloat-abi=softfp");
+#endif
 
 struct TwoSumResult {
   double sum;

@@ -1,0 +1,4 @@
+# 64-bit z/Architecture, a big-endian machine.
+set(triple s390x-linux-gnu)
+set(processor s390x)
+include("${CMAKE_CURRENT_LIST_DIR}/linux-gnu.cmake")
