@@ -103,7 +103,7 @@ def test_nearest():
     found = TREE.nearest(given)
     least = [min(a.distance(b) for b in GEOMETRIES if is_there(b)) for a in given]
     assert [a.distance(GEOMETRIES[j]) for a, j in zip(given, found)] == least
-    assert TREE.nearest(given[0]) == found[0]
+    assert [TREE.nearest(a) for a in given] == found.tolist()
     assert geo.STRtree([]).nearest(given[0]) is None
     with pytest.raises(ValueError, match="expected geometries that are not None"):
         TREE.nearest([None])
@@ -136,6 +136,18 @@ def test_a_geometry_without_a_box_is_left_out():
     bad = [Point(0, np.nan), Point(np.nan, 0)]
     assert len(geo.STRtree([*bad, Point(1, 1)])) == 1
     assert TREE.query(bad).shape == TREE.query_nearest(bad).shape == (2, 0)
+    for one in bad:
+        assert TREE.query(one).shape == TREE.query(one, "intersects").shape == (0,)
+
+
+# Distances whose squares are no float32, and many boxes at the distance 0.
+def test_nearest_of_boxes_that_are_far_or_many():
+    tree = geo.STRtree([Point(0, 0), Point(2.0**66, 0), Point(2.0**67, 0)])
+    assert [tree.nearest(Point(x, 0)) for x in (-(2.0**70), 2.0**70)] == [0, 2]
+    assert tree.query_nearest([Point(2.0**70, 0), Point(1, 0)]).tolist() == [[0, 1], [2, 0]]
+    tree = geo.STRtree([LineString([(-i, -i), (i, -i), (i, i)]) for i in range(20, 0, -1)])
+    assert tree.nearest(Point(-0.5, 0.5)) == 19
+    assert tree.query_nearest([Point(-0.5, 0.5)], all_matches=False).tolist() == [[0], [19]]
 
 
 class OldGeos(ctypes.PyDLL):
