@@ -10,6 +10,7 @@ Works with shapely 1.8 and 2. Shapely 1.8 makes exact tests one by one, and shap
 makes them in one call.
 """
 
+import contextlib
 import ctypes
 import math
 import warnings
@@ -30,6 +31,8 @@ _PREDICATES = tuple(
     "intersects within contains overlaps crosses touches covers covered_by contains_properly "
     "dwithin".split()
 )
+# The predicates of the swapped pair, as far as prepared geometries decide them faster.
+_INVERSE = {"intersects": "intersects", "within": "contains", "covered_by": "covers"}
 _IS_VECTORISED = hasattr(shapely, "STRtree") and hasattr(shapely, "bounds")
 
 
@@ -48,6 +51,10 @@ class STRtree:
     Calls return what those of `shapely.STRtree` of shapely 2 return, and can run on
     several threads. Boxes are compared as doubles. Z is ignored. If GEOS cannot decide
     about a pair, because a geometry is invalid, the error names the geometry.
+
+    A predicate of one geometry prepares it, as `shapely.prepare`, so do not pass the same
+    object to calls of two threads. For an array, it prepares copies: of the given geometries
+    or of those that are found, whichever is less work.
     """
 
     # How errors name the geometries of a call, and those of the tree.
@@ -181,9 +188,9 @@ class STRtree:
             return self._index[:0]
         ids = self._index[found]
         ids.sort()
-        if predicate is None:
+        if predicate is None or len(ids) == 0:
             return ids
-        shapely.lib.prepare(given)
+        shapely.lib.prepare(given)  # a copy takes as long as the test
         return ids[getattr(shapely.lib, predicate)(given, self._geometries[ids])]
 
     def _nearest_one(self, given: np.ndarray, box: np.ndarray) -> Any:
@@ -211,15 +218,16 @@ class STRtree:
     ) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The rows, the nearest geometries up to the limit, and their distances."""
 
-        def measured(rows: np.ndarray, ids: np.ndarray) -> Tuple[np.ndarray, ...]:
+        def measured(rows: np.ndarray, ids: np.ndarray) -> List[np.ndarray]:
             distances = self._ask("distance", given, rows, ids)
             if exclusive:
                 distances[self._are_equal(given, rows, ids, distances)] = np.inf
-            return rows, ids, distances
+            return [rows, ids, distances]
 
         boxes = _bounds_of(given)
         left, k, size = np.flatnonzero(~np.isnan(boxes).any(axis=1)), 0, len(self)
-        found = [(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0))]
+        none: np.ndarray = np.empty(0, np.int64)
+        found = [[none, none, np.empty(0)]]
         while len(left) and k < size:
             k = min(8 * k or 4, size)
             near, far = self._tree.nearest(boxes[left], k)
@@ -230,13 +238,13 @@ class STRtree:
                 found.append(some)
                 break
             is_closed = np.repeat(~is_open, k)
-            found.append(tuple(values[is_closed] for values in some))
+            found.append([values[is_closed] for values in some])
             is_near = is_open & (best < np.inf)
             wide = left[is_near]
             rows, ids = self._overlaps(_grown(boxes[wide], best[is_near]))
             found.append(measured(wide[rows], ids))
             left = left[is_open & ~is_near]
-        rows, ids, distances = map(np.concatenate, zip(*found))
+        rows, ids, distances = (np.concatenate(values) for values in zip(*found))
         is_kept = (distances <= limit) & (distances < np.inf)
         rows, ids, distances = rows[is_kept], ids[is_kept], distances[is_kept]
         # By distance, then by index, for each row.
@@ -300,11 +308,38 @@ class STRtree:
             results.append(result)
         return results
 
+    def _test(
+        self, predicate: str, given: np.ndarray, rows: np.ndarray, ids: np.ndarray
+    ) -> np.ndarray:
+        """The tests of pairs in one call of shapely 2, by prepared copies of one side."""
+        swaps = predicate in _INVERSE
+        if predicate == "intersects" and len(rows):
+            # To prepare a geometry reads its vertices, and a test those of the other side.
+            step, count = len(rows) // 1024 + 1, shapely.lib.get_num_coordinates
+            a, b = count(given[rows[::step]]).mean(), count(self._geometries[ids[::step]]).mean()
+            its_rows, its_ids = 1 + np.count_nonzero(np.diff(rows)), min(len(ids), len(self))
+            swaps = b * its_ids + a * len(rows) < a * its_rows + b * len(rows)
+        sides = (given, rows), (self._geometries, ids)
+        (first, keys), (second, others) = sides[::-1] if swaps else sides
+        test = getattr(shapely.lib, _INVERSE[predicate] if swaps else predicate)
+        # The tests of a prepared geometry follow each other, and its memory is used again by
+        # the next ones, so that all is in the cache.
+        order = np.argsort(keys, kind="stable")
+        holds = np.empty(len(keys), bool)
+        for begin in range(0, len(keys), 4096):
+            some = order[begin : begin + 4096]
+            its = keys[some]
+            is_new = np.diff(its, prepend=-1) != 0
+            copies = _prepared(first[its[is_new]])[np.cumsum(is_new) - 1]
+            holds[some] = test(copies, second[others[some]])
+        return holds
+
     def _hold(
         self, predicate: str, given: np.ndarray, rows: np.ndarray, ids: np.ndarray
     ) -> np.ndarray:
         if _IS_VECTORISED:
-            shapely.lib.prepare(given[rows])
+            with contextlib.suppress(ShapelyError):  # one by one, to find its pair
+                return self._test(predicate, given, rows, ids)
             return self._ask(predicate, given, rows, ids)
         last, test = None, None
 
@@ -545,6 +580,14 @@ def _grown(boxes: np.ndarray, margins: np.ndarray) -> np.ndarray:
     """The boxes, larger by at least the margins and the error of distances."""
     margins = _reach(boxes, margins)[:, np.newaxis]
     return np.hstack([boxes[:, :2] - margins, boxes[:, 2:] + margins])
+
+
+def _prepared(geometries: np.ndarray) -> np.ndarray:
+    """Prepared copies. Another thread can use the geometries, and GEOS makes the index of a
+    prepared one during a test, without a lock."""
+    copies = shapely.lib.set_srid(geometries, np.intc(0))
+    shapely.lib.prepare(copies)
+    return copies
 
 
 def _can_be_others(boxes: np.ndarray, best: Any, far: Any, has_others: bool) -> Any:
