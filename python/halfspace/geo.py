@@ -365,6 +365,7 @@ def sjoin(
     lsuffix: str = "left",
     rsuffix: str = "right",
     distance: Any = None,
+    on_attribute: Any = None,
 ) -> Any:
     """Joins two GeoDataFrames where a predicate of their geometries holds.
 
@@ -380,10 +381,14 @@ def sjoin(
     lsuffix, rsuffix : str
         Columns that both frames have become `name_left` and `name_right`. The index
         of the other frame becomes the column `index_right` or `index_left`, or for a
-        MultiIndex the columns `index_right0`, `index_right1` and so on.
+        MultiIndex the columns `index_right0`, `index_right1` and so on. With geopandas 1
+        a level that has a name keeps it, and so does the column of geometries.
+    on_attribute : str or sequence of str, optional
+        Columns of both frames. Joins only rows that have equal values there, which
+        are not NaN. The result has the columns of `left_df`.
 
-    Returns a GeoDataFrame with the columns of `geopandas.sjoin` in geopandas 0.12. The
-    rows are in the order of the frame whose index it has, then of the other frame.
+    Returns a GeoDataFrame with the columns of `geopandas.sjoin` in geopandas 0.12 or 1.0,
+    whichever is installed. The rows are in the order of the frame whose index it has, then of the other frame.
     """
     _check_frames(left_df, right_df, how, lsuffix, rsuffix)
     if predicate == "within":
@@ -395,6 +400,15 @@ def sjoin(
         tree = STRtree(right_df.geometry)
         tree._names = ("left_df.geometry.iloc", "right_df.geometry.iloc")
         left, right = tree.query(left_df.geometry, predicate, distance)
+    if on_attribute is not None:
+        names = [on_attribute] if isinstance(on_attribute, str) else list(on_attribute)
+        for name in names:
+            for frame_name, frame in (("left_df", left_df), ("right_df", right_df)):
+                if name not in frame.columns or name == frame.geometry.name:
+                    raise ValueError(f"on_attribute: {frame_name} has no column {name!r} of values")
+            equal = left_df[name].to_numpy()[left] == right_df[name].to_numpy()[right]
+            left, right = left[equal], right[equal]
+        right_df = right_df.drop(columns=names)
     return _joined(left_df, right_df, left, right, how, lsuffix, rsuffix)
 
 
@@ -458,8 +472,10 @@ def _joined(
     distance_col: Optional[str] = None,
 ) -> Any:
     """The frame of pairs of rows, and with `distance_col` the column of distances."""
+    import geopandas
     import pandas  # type: ignore
 
+    is_new = not geopandas.__version__.startswith("0.")
     is_right = how == "right"
     its, other = (right_df, left_df) if is_right else (left_df, right_df)
     rows, ids = (right, left) if is_right else (left, right)
@@ -474,21 +490,28 @@ def _joined(
     added = pandas.DataFrame(other.drop(columns=other.geometry.name))
     name = f"index_{lsuffix if is_right else rsuffix}"
     levels = added.index.nlevels
+    labels = [name] if levels == 1 else [f"{name}{i}" for i in range(levels)]
+    if is_new:
+        labels = [new if own is None else own for new, own in zip(labels, added.index.names)]
     # A renamed copy, as the index is the caller's.
-    added.index = added.index.set_names(
-        [name] if levels == 1 else [f"{name}{i}" for i in range(levels)]
-    )
+    added.index = added.index.set_names(labels)
     # No row has the number -1.
     added = added.reset_index().reindex(ids[order])
     added.index = result.index
     both = result.columns.intersection(added.columns)
+    its_both = both.drop(its.geometry.name, errors="ignore") if is_new else both
+    index_both = added.columns.intersection(result.index.names) if is_new else both[:0]
     were_twice = np.concatenate([result.columns.duplicated(), added.columns.duplicated()])
     its_suffix, other_suffix = (rsuffix, lsuffix) if is_right else (lsuffix, rsuffix)
     geometry = its.geometry.name
-    if geometry in both:
+    if geometry in its_both:
         geometry = f"{geometry}_{its_suffix}"
-    result = result.rename(columns={column: f"{column}_{its_suffix}" for column in both})
+    result = result.rename(columns={column: f"{column}_{its_suffix}" for column in its_both})
+    both = both.union(index_both)
     added = added.rename(columns={column: f"{column}_{other_suffix}" for column in both})
+    result.index = added.index = result.index.set_names(
+        [f"{own}_{its_suffix}" if own in index_both else own for own in result.index.names]
+    )
     parts = [added, result] if is_right else [result, added]
     names = result.columns.append(added.columns)
     if distance_col is not None:

@@ -337,6 +337,24 @@ def test_sjoin_nearest(how, max_distance):
         geo.sjoin_nearest(left, right, how, max_distance), found.drop(columns="far"))
 
 
+def test_sjoin_on_attribute():
+    left, right = frame_of(60, 3, ["a", "b"]), frame_of(80, 4, ["a", "b"])
+    left["a"], right["a"] = left["a"] % 3.0, right["a"] % 3.0
+    left.loc[::5, "a"] = right.loc[::5, "a"] = np.nan
+    for how in ("inner", "left", "right"):
+        joined = geo.sjoin(left, right, how, on_attribute="a")
+        expected = geo.sjoin(left, right).query("a_left == a_right")
+        found = joined[joined["index_left" if how == "right" else "index_right"].notna()]
+        assert len(found) == len(expected) > 9
+        assert sorted(found["a"]) == sorted(expected["a_left"])
+        assert "a_left" not in joined.columns and "b_left" in joined.columns
+        assert len(joined) == len(found) + (0 if how == "inner" else len(
+            set((right if how == "right" else left).index) - set(found.index)))
+    for name in ("c", "geometry"):
+        with pytest.raises(ValueError, match=f"on_attribute: left_df has no column '{name}'"):
+            geo.sjoin(left, right, on_attribute=["a", name])
+
+
 def test_sjoin_errors():
     frame = frame_of(3, 7, ["a"])
     for left, right, options, text in (
@@ -362,7 +380,9 @@ def test_sjoin_errors():
     twice = frame_of(3, 7, ["b", "c"]).rename(columns={"c": "b"})
     assert list(geo.sjoin(twice, frame).columns) == ["b", "b", "geometry", "index_right", "a"]
     shapes = frame.rename_geometry("shape").assign(geometry=1)
-    assert geo.sjoin(frame, shapes).geometry.name == "geometry_left"
+    import geopandas
+    name = "geometry_left" if geopandas.__version__.startswith("0.") else "geometry"
+    assert geo.sjoin(frame, shapes).geometry.name == name
     near = geo.sjoin(frame, frame, predicate="dwithin", distance=100)
     there = sum(map(is_there, frame.geometry))
     assert len(near) == there**2
