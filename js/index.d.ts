@@ -84,9 +84,10 @@ export class BVH {
    * With `triangles`, the first triangle that a ray hits, from either side. They are 9
    * numbers each, the three corners: triangle i is in box i, and there are at least
    * `idLimit`. The BVH has 3 dimensions. All is rounded to 32-bit floats. From there on it is
-   * exact whether a ray hits: none passes between triangles that share an edge. A triangle
-   * without an area, or in whose plane the ray lies, is not hit. Each call copies the
-   * triangles, so give it many rays. */
+   * exact whether a ray hits: none passes between triangles that share an edge. A ray
+   * through the edge hits both, so the parity of hits does not say whether a point is
+   * inside of a closed mesh. A triangle without an area, or in whose plane the ray lies, is
+   * not hit. Each call copies the triangles, so give it many rays. */
   raycastMany(rays: Numbers, triangles?: Numbers): { ids: Ids; ts: Floats };
 
   /** The triangle that is closest to each point, with triangles as in raycastMany(), the
