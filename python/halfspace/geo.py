@@ -52,9 +52,9 @@ class STRtree:
     several threads. Boxes are compared as doubles. Z is ignored. If GEOS cannot decide
     about a pair, because a geometry is invalid, the error names the geometry.
 
-    A predicate of one geometry prepares it, as `shapely.prepare`, so do not pass the same
-    object to calls of two threads. For an array, it prepares copies: of the given geometries
-    or of those that are found, whichever is less work.
+    In shapely 2 a predicate prepares the given geometries, as `shapely.prepare`, so do not
+    pass the same objects to calls of two threads. Where it is less work, it prepares copies
+    of those that it finds instead.
     """
 
     # How errors name the geometries of a call, and those of the tree.
@@ -311,7 +311,7 @@ class STRtree:
     def _test(
         self, predicate: str, given: np.ndarray, rows: np.ndarray, ids: np.ndarray
     ) -> np.ndarray:
-        """The tests of pairs in one call of shapely 2, by prepared copies of one side."""
+        """The tests of pairs in one call of shapely 2, by prepared geometries of one side."""
         swaps = predicate in _INVERSE
         if predicate == "intersects" and len(rows):
             # To prepare a geometry reads its vertices, and a test those of the other side.
@@ -330,8 +330,13 @@ class STRtree:
             some = order[begin : begin + 4096]
             its = keys[some]
             is_new = np.diff(its, prepend=-1) != 0
-            copies = _prepared(first[its[is_new]])[np.cumsum(is_new) - 1]
-            holds[some] = test(copies, second[others[some]])
+            used = first[its[is_new]]
+            if swaps:
+                # Another thread can use the tree, and GEOS makes the index of a prepared
+                # geometry during a test, without a lock.
+                used = shapely.lib.set_srid(used, np.intc(0))  # a copy
+            shapely.lib.prepare(used)
+            holds[some] = test(used[np.cumsum(is_new) - 1], second[others[some]])
         return holds
 
     def _hold(
@@ -603,14 +608,6 @@ def _grown(boxes: np.ndarray, margins: np.ndarray) -> np.ndarray:
     """The boxes, larger by at least the margins and the error of distances."""
     margins = _reach(boxes, margins)[:, np.newaxis]
     return np.hstack([boxes[:, :2] - margins, boxes[:, 2:] + margins])
-
-
-def _prepared(geometries: np.ndarray) -> np.ndarray:
-    """Prepared copies. Another thread can use the geometries, and GEOS makes the index of a
-    prepared one during a test, without a lock."""
-    copies = shapely.lib.set_srid(geometries, np.intc(0))
-    shapely.lib.prepare(copies)
-    return copies
 
 
 def _can_be_others(boxes: np.ndarray, best: Any, far: Any, has_others: bool) -> Any:
