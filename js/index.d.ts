@@ -1,3 +1,5 @@
+/// <reference lib="esnext.disposable" />
+
 /**
  * A bounding volume hierarchy of axis-aligned boxes in 2 or 3 dimensions.
  *
@@ -15,6 +17,12 @@
 
 /** Rows of numbers. Other arrays than the first two are copied. */
 export type Numbers = Float32Array | Float64Array | ArrayLike<number>;
+
+/** Results are arrays of an ArrayBuffer, and not of a SharedArrayBuffer. TypeScript can say
+ * so since 5.7. */
+export type Bytes = ReturnType<Uint8Array['slice']>;
+export type Ids = ReturnType<Uint32Array['slice']>;
+export type Floats = ReturnType<Float32Array['slice']>;
 
 export interface Options {
   /** 2, by default, or 3. */
@@ -36,7 +44,7 @@ export class BVH {
    * is found by a checksum, and is an error. */
   static fromBytes(bytes: Uint8Array | ArrayBuffer): BVH;
   /** The BVH as bytes of a format that other versions and languages read. */
-  toBytes(): Uint8Array;
+  toBytes(): Bytes;
 
   readonly dimensions: 2 | 3;
   /** The number of boxes. */
@@ -44,27 +52,27 @@ export class BVH {
   /** One more than the greatest id: the size that an array by id needs. */
   readonly idLimit: number;
   /** The box around all boxes. */
-  readonly bounds: Float32Array;
+  readonly bounds: Floats;
 
   /** The ids of the boxes that overlap a box, in no particular order. */
-  query(box: ArrayLike<number>): Uint32Array;
+  query(box: ArrayLike<number>): Ids;
   /** The same for many boxes, in less time for each: the ids that overlap box i are
    * ids[offsets[i]] to ids[offsets[i + 1] - 1]. */
-  queryMany(boxes: Numbers): { ids: Uint32Array; offsets: Uint32Array };
+  queryMany(boxes: Numbers): { ids: Ids; offsets: Ids };
 
   /** The ids of the boxes that are at most `radius` from a point, in no particular order.
    * A box that is farther by 4 millionths, or by the rounding of the point, can be found. */
-  within(point: ArrayLike<number>, radius: number): Uint32Array;
+  within(point: ArrayLike<number>, radius: number): Ids;
 
   /** The ids of the k boxes nearest to a point, nearest first. A box that contains the
    * point has the distance 0. With `allTies`, also the boxes as far as the last of the k. */
   nearest(point: ArrayLike<number>, k?: number, maxDistance?: number, allTies?: boolean):
-    Uint32Array;
+    Ids;
   /** The same for many points. Row i is ids[i * k] to ids[i * k + k - 1], where k is that of
    * the result: at most `size`. If fewer boxes are near enough, the rest of
    * the row is NO_ID and Infinity. Distances are within a millionth of the exact ones. */
   nearestMany(points: Numbers, k?: number, maxDistance?: number):
-    { k: number; ids: Uint32Array; distances: Float32Array };
+    { k: number; ids: Ids; distances: Floats };
 
   /** The first box that a ray enters, or null. The hit is at origin + t * direction, with t
    * from 0 to maxT. Coordinates are rounded to 32-bit floats. */
@@ -76,25 +84,26 @@ export class BVH {
    * With `triangles`, the first triangle that a ray hits, from either side. They are 9
    * numbers each, the three corners: triangle i is in box i, and there are at least
    * `idLimit`. The BVH has 3 dimensions. All is rounded to 32-bit floats. From there on it is
-   * exact whether a ray hits: none passes between triangles that share an edge. A triangle
-   * without an area, or in whose plane the ray lies, is not hit. Each call copies the
-   * triangles, so give it many rays. */
-  raycastMany(rays: Numbers, triangles?: Numbers): { ids: Uint32Array; ts: Float32Array };
+   * exact whether a ray hits: none passes between triangles that share an edge. A ray
+   * through the edge hits both, so the parity of hits does not say whether a point is
+   * inside of a closed mesh. A triangle without an area, or in whose plane the ray lies, is
+   * not hit. Each call copies the triangles, so give it many rays. */
+  raycastMany(rays: Numbers, triangles?: Numbers): { ids: Ids; ts: Floats };
 
   /** The triangle that is closest to each point, with triangles as in raycastMany(), the
    * distance, and the closest point of the triangle, which is 3 numbers. If there is none
    * within `maxDistance`, they are NO_ID, Infinity and NaN. */
   closestPoints(points: Numbers, triangles: Numbers, maxDistance?: number):
-    { ids: Uint32Array; distances: Float32Array; closest: Float32Array };
+    { ids: Ids; distances: Floats; closest: Floats };
 
   /** All pairs of boxes that overlap, or are at most `margin` apart on each axis: pair i is
    * elements 2 * i and 2 * i + 1. Each pair is there once. */
-  pairs(margin?: number): Uint32Array;
+  pairs(margin?: number): Ids;
   /** The pairs of a box of this BVH and one of another, in this order. */
-  join(other: BVH, margin?: number): Uint32Array;
+  join(other: BVH, margin?: number): Ids;
 
   /** Adds boxes, and returns their ids. */
-  insert(boxes: Numbers): Uint32Array;
+  insert(boxes: Numbers): Ids;
   /** Removes boxes. Their ids can be given to boxes that are inserted later. */
   erase(ids: ArrayLike<number>): void;
   /** Replaces boxes: box i is that of ids[i]. */
@@ -104,6 +113,8 @@ export class BVH {
 
   /** Frees the memory at once. Without it, the garbage collector does. */
   dispose(): void;
+  /** The same, for `using tree = new BVH(boxes)`. */
+  [Symbol.dispose](): void;
 }
 
 /** The id that stands for "none" in nearestMany(), raycastMany() and closestPoints(). */

@@ -1,5 +1,5 @@
-// What index.js passes to the C API, as JavaScript has no structs: each
-// function fills a struct, and returns its address. index.js calls the
+// What bvh.js passes to the C API, as JavaScript has no structs: each
+// function fills a struct, and returns its address. bvh.js calls the
 // functions of the C API by their names.
 #include <emscripten.h>
 #include <stdint.h>

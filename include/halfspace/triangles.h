@@ -25,10 +25,13 @@ namespace halfspace {
 //
 // Whether the line of the ray meets the triangle, its edges and corners
 // included, is decided exactly. So no ray passes between two triangles that
-// share an edge or a corner, and a ray that hits the edge hits both. The
-// exception is a triangle in whose plane the ray lies, or without an area: no
-// ray hits it. Whether t is negative is also decided exactly, and t is one of
-// the two floats next to the exact value, or this itself.
+// share an edge or a corner, and a ray that hits the edge hits both. The number
+// of hits is therefore not always odd inside of a closed mesh: do not decide by
+// it whether a point is inside.
+//
+// The exception is a triangle in whose plane the ray lies, or without an area:
+// no ray hits it. Whether t is negative is also decided exactly, and t is one
+// of the two floats next to the exact value, or this itself.
 //
 // A NaN or an infinity in the origin, the direction or the triangle is a miss.
 HALFSPACE_API float HitTriangle(const Ray<3>& ray, const Triangle<3>& triangle);

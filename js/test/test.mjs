@@ -1,7 +1,10 @@
 // The package as it is installed: run by test.sh, with the folder of stored BVHs.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
+import { execFileSync } from 'node:child_process';
+import { existsSync, readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
 import { test } from 'node:test';
+import { inspect } from 'node:util';
 import * as halfspace from 'halfspace';
 import { hasChromium, postedBy } from './chromium.mjs';
 
@@ -319,19 +322,60 @@ test('the types name what there is', () => {
   assert.equal(NO_ID, 2 ** 32 - 1);
 });
 
+// An old node refuses to require() any ES module.
+const canRequire = process.features.require_module;
+test('require()', { skip: !canRequire && 'this node cannot' }, () => {
+  assert.equal(createRequire(import.meta.url)('halfspace').BVH, BVH);
+});
+
+const esbuild = '/usr/bin/esbuild';
+for (const format of ['iife', 'cjs']) {
+  test(`a bundle: ${format}`, { skip: !existsSync(esbuild) && 'there is no esbuild' }, () => {
+    execFileSync(esbuild, ['example.mjs', '--bundle', `--format=${format}`, '--target=es2017',
+      `--outfile=${format}.cjs`]);
+    assert.match(String(execFileSync(process.execPath, [`${format}.cjs`])), /id: 0, t: 0.99/);
+  });
+}
+
+test('init()', () => {
+  // In a process of its own, as `halfspace` has started the module of this one.
+  const script = `
+    import { readFileSync } from 'node:fs';
+    import { BVH, HalfspaceError, init, version } from 'halfspace/init';
+    import assert from 'node:assert/strict';
+    assert.throws(() => new BVH([]), HalfspaceError);
+    await assert.rejects(init(new Uint8Array(9)), WebAssembly.CompileError);
+    const bytes = readFileSync(new URL(import.meta.resolve('halfspace/halfspace.wasm')));
+    const first = init(bytes);
+    assert.equal(init(), first);
+    await first;
+    const tree = new BVH([0, 0, 1, 1]);
+    assert.equal((await import('halfspace')).version, version);
+    console.log(tree.query([1, 1, 2, 2]).length + new BVH([]).size);`;
+  assert.equal(String(execFileSync(process.execPath, ['--input-type=module', '-e', script])), '1\n');
+});
+
 test('the example of the README, in node and in Chromium', async (t) => {
   // As JSON: the formats of the consoles differ.
-  const lines = [];
-  t.mock.method(console, 'log', (...values) => lines.push(JSON.stringify(values)));
+  const lines = [], shown = [];
+  t.mock.method(console, 'log', (...values) => {
+    lines.push(JSON.stringify(values));
+    shown.push(values.map((value) => inspect(value)).join(' '));
+  });
   await import('./example.mjs');
-  assert.equal(lines.length, 6);
+  assert.deepEqual(shown, readFileSync('example.mjs', 'utf8').match(/(?<=^console.*\/\/ ).*/gm));
   if (!hasChromium) return t.skip('there is no chromium');
   assert.equal(await postedBy(`<!DOCTYPE html><script type="importmap">
     {"imports": {"halfspace": "/node_modules/halfspace/index.js"}}</script>
     <script type="module">
+    import { BVH, init } from '/node_modules/halfspace/init.js';
     const lines = [];
     console.log = (...values) => lines.push(JSON.stringify(values));
-    try { await import('/example.mjs'); } catch (error) { lines.push(String(error)); }
+    try {
+      await init();
+      new BVH([0, 0, 1, 1]).dispose();
+      await import('/example.mjs');
+    } catch (error) { lines.push(String(error)); }
     await fetch('/posted', { method: 'POST', body: lines.join('\\n') });
     </script>`), lines.join('\n'));
 });

@@ -179,12 +179,21 @@ def masks(value: Any, name: str, count: int) -> np.ndarray:
     return np.full(count, _unsigned(array, name, 2**32, limit))
 
 
-def margin(value: Any) -> float:
+def margin(value: Any, name: str = "margin") -> float:
     """A finite float32 that is not negative and not below a number."""
-    distance = not_negative(value, "margin")
+    distance = not_negative(value, name)
     if math.isinf(distance):
-        raise ValueError(f"margin: expected a finite float32, got {value}")
+        raise ValueError(f"{name}: expected a finite float32, got {value}")
     return distance
+
+
+def pair_distance(margin_of_call: Any, within: Any) -> Tuple[float, bool]:
+    """The distance of pairs, and whether it is Euclidean."""
+    if within is None:
+        return margin(margin_of_call), False
+    if margin(margin_of_call) > 0:
+        raise ValueError("within: expected no margin next to it")
+    return margin(within, "within"), True
 
 
 def mask(value: Optional[int]) -> int:

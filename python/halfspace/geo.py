@@ -12,6 +12,7 @@ makes them in one call.
 
 import contextlib
 import ctypes
+import math
 import warnings
 from typing import Any, Callable, Iterable, List, Optional, Tuple, Union
 
@@ -21,6 +22,7 @@ from shapely.errors import ShapelyError  # type: ignore
 from shapely.geometry.base import BaseGeometry  # type: ignore
 from shapely.prepared import prep  # type: ignore
 
+from ._arrays import ALL_MASKS
 from ._bvh import BVH
 
 __all__ = ["STRtree", "sjoin", "sjoin_nearest"]
@@ -29,6 +31,8 @@ _PREDICATES = tuple(
     "intersects within contains overlaps crosses touches covers covered_by contains_properly "
     "dwithin".split()
 )
+# The predicates of the swapped pair, as far as prepared geometries decide them faster.
+_INVERSE = {"intersects": "intersects", "within": "contains", "covered_by": "covers"}
 _IS_VECTORISED = hasattr(shapely, "STRtree") and hasattr(shapely, "bounds")
 
 
@@ -47,6 +51,10 @@ class STRtree:
     Calls return what those of `shapely.STRtree` of shapely 2 return, and can run on
     several threads. Boxes are compared as doubles. Z is ignored. If GEOS cannot decide
     about a pair, because a geometry is invalid, the error names the geometry.
+
+    In shapely 2 a predicate prepares the given geometries, as `shapely.prepare`, so do not
+    pass the same objects to calls of two threads. Where it is less work, it prepares copies
+    of those that it finds instead.
     """
 
     # How errors name the geometries of a call, and those of the tree.
@@ -101,21 +109,22 @@ class STRtree:
             raise ValueError('distance: only the predicate "dwithin" has one')
         given, is_one = _given(geometry)
         boxes = _bounds_of(given)
-        is_used = ~np.isnan(boxes).any(axis=1)
+        if is_one and predicate != "dwithin" and _IS_VECTORISED:
+            try:
+                return self._query_one(given, boxes, predicate)
+            except ShapelyError:
+                pass  # the lines below name the invalid geometry
         if predicate == "dwithin":
             limits = _limits(distance, len(given))
-            is_used &= limits >= 0
-            boxes = _grown(boxes, limits)
-        rows, ids = self._overlaps(boxes, np.flatnonzero(is_used))
+            boxes = _grown(boxes, np.where(limits >= 0, limits, np.nan))
+        rows, ids = self._overlaps(boxes)
         if predicate is not None:
             if predicate == "dwithin":
                 is_kept = self._ask("distance", given, rows, ids) <= limits[rows]
             else:
                 is_kept = self._hold(predicate, given, rows, ids)
-            rows, ids = rows[is_kept], ids[is_kept]
-        found = self._index[ids]
-        found = found[np.lexsort((found, rows))]
-        return found if is_one else np.stack([rows, found])
+            rows, ids = rows if is_one else rows[is_kept], ids[is_kept]
+        return ids if is_one else np.stack([rows, ids])
 
     def nearest(self, geometry: Any) -> Union[None, int, np.ndarray]:
         """Returns the index of a nearest geometry of each given one.
@@ -126,9 +135,12 @@ class STRtree:
         if len(self) == 0:
             return None
         given, is_one = _given(geometry)
-        if np.isnan(_bounds_of(given)).any():
+        boxes = _bounds_of(given)
+        if np.isnan(boxes).any():
             raise ValueError("geometry: expected geometries that are not None and not empty")
-        found = self.query_nearest(given, all_matches=False)[1]
+        if is_one and _IS_VECTORISED:
+            return self._nearest_one(given, boxes)
+        found = self._nearest(given, np.inf, exclusive=False, all_matches=False)[1]
         return found[0] if is_one else found
 
     def query_nearest(
@@ -161,18 +173,79 @@ class STRtree:
         _check_flag(exclusive, "exclusive")
         _check_flag(all_matches, "all_matches")
         given, is_one = _given(geometry)
-        boxes = _bounds_of(given)
+        rows, ids, distances = self._nearest(given, limit, exclusive, all_matches)
+        result = ids if is_one else np.stack([rows, ids])
+        return (result, distances) if return_distance else result
+
+    # One geometry of shapely 2, by less than a third of the calls for many. Raises
+    # ShapelyError if one is invalid.
+
+    def _query_one(
+        self, given: np.ndarray, box: np.ndarray, predicate: Optional[str]
+    ) -> np.ndarray:
+        found = self._tree._tree.query_one(box[0], ALL_MASKS)
+        if found is None:  # of NaN
+            return self._index[:0]
+        ids = self._index[found]
+        ids.sort()
+        if predicate is None or len(ids) == 0:
+            return ids
+        shapely.lib.prepare(given)  # a copy takes as long as the test
+        return ids[getattr(shapely.lib, predicate)(given, self._geometries[ids])]
+
+    def _nearest_one(self, given: np.ndarray, box: np.ndarray) -> Any:
+        tree, k = self._tree._tree, min(4, len(self))
+        near, far = tree.nearest((box,), k, math.inf, False, False, (ALL_MASKS, 1, None))
+        ids = self._index[near[0]]
+        distances = shapely.lib.distance(given, self._geometries[ids])
+        best = distances.min()
+        if _can_be_others(box, best, far[0, -1], k < len(self)):
+            ids = self._index[tree.query_one(_grown(box, best)[0], ALL_MASKS)]
+            distances = shapely.lib.distance(given, self._geometries[ids])
+        return ids[distances == distances.min()].min()
+
+    def _overlaps(self, boxes: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        """The rows, and the geometries whose boxes overlap theirs. Both ascend."""
         used = np.flatnonzero(~np.isnan(boxes).any(axis=1))
-        limits = np.full(len(given), np.inf)
-        limits[used] = self._first_distances(given, boxes, used, exclusive)
-        limits = np.minimum(limits, limit)
-        # Without a limit no other geometry is in the tree.
-        used = used[limits[used] < np.inf] if len(self) else used[:0]
-        rows, ids = self._overlaps(_grown(boxes, limits), used)
-        distances = self._ask("distance", given, rows, ids)
-        is_kept = distances <= limits[rows]
-        if exclusive:
-            is_kept &= ~self._are_equal(given, rows, ids, distances)
+        rows, ids = self._tree.query(boxes[used])
+        # Both are below 2^31. A quarter of the time of np.lexsort().
+        ordered = rows << 32 | self._index[ids]
+        ordered.sort()
+        return used[rows], ordered & (2**32 - 1)
+
+    def _nearest(
+        self, given: np.ndarray, limit: float, exclusive: bool, all_matches: bool
+    ) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The rows, the nearest geometries up to the limit, and their distances."""
+
+        def measured(rows: np.ndarray, ids: np.ndarray) -> List[np.ndarray]:
+            distances = self._ask("distance", given, rows, ids)
+            if exclusive:
+                distances[self._are_equal(given, rows, ids, distances)] = np.inf
+            return [rows, ids, distances]
+
+        boxes = _bounds_of(given)
+        left, k, size = np.flatnonzero(~np.isnan(boxes).any(axis=1)), 0, len(self)
+        none: np.ndarray = np.empty(0, np.int64)
+        found = [[none, none, np.empty(0)]]
+        while len(left) and k < size:
+            k = min(8 * k or 4, size)
+            near, far = self._tree.nearest(boxes[left], k)
+            some = measured(np.repeat(left, k), self._index[near.ravel()])
+            best = some[2].reshape(-1, k).min(axis=1)
+            is_open = _can_be_others(boxes[left], best, far[:, -1], k < size)
+            if not is_open.any():
+                found.append(some)
+                break
+            is_closed = np.repeat(~is_open, k)
+            found.append([values[is_closed] for values in some])
+            is_near = is_open & (best < np.inf)
+            wide = left[is_near]
+            rows, ids = self._overlaps(_grown(boxes[wide], best[is_near]))
+            found.append(measured(wide[rows], ids))
+            left = left[is_open & ~is_near]
+        rows, ids, distances = (np.concatenate(values) for values in zip(*found))
+        is_kept = (distances <= limit) & (distances < np.inf)
         rows, ids, distances = rows[is_kept], ids[is_kept], distances[is_kept]
         # By distance, then by index, for each row.
         order = np.lexsort((ids, distances, rows))
@@ -182,34 +255,7 @@ class STRtree:
             first = np.flatnonzero(is_first)
             least = np.repeat(distances[first], np.diff(first, append=len(rows)))
             is_first = distances == least
-        found = self._index[ids[is_first]]
-        result = found if is_one else np.stack([rows[is_first], found])
-        return (result, distances[is_first]) if return_distance else result
-
-    def _overlaps(self, boxes: np.ndarray, used: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-        """The rows of `used` and the objects of the tree whose boxes overlap."""
-        rows, ids = self._tree.query(boxes[used])
-        return used[rows], ids
-
-    def _first_distances(
-        self, given: np.ndarray, boxes: np.ndarray, used: np.ndarray, exclusive: bool
-    ) -> np.ndarray:
-        """A distance of each that is not less than that of the nearest one."""
-        best = np.full(len(used), np.inf)
-        left, k = np.arange(len(used)), 4
-        while len(left) and len(self):
-            k = min(k, len(self))
-            near, _ = self._tree.nearest(boxes[used[left]], k)
-            ids = near.ravel()
-            rows = np.repeat(used[left], k)
-            distances = self._ask("distance", given, rows, ids)
-            if exclusive:
-                distances[self._are_equal(given, rows, ids, distances)] = np.inf
-            best[left] = distances.reshape(-1, k).min(axis=1)
-            if k == len(self):
-                break
-            left, k = left[np.isinf(best[left])], 8 * k
-        return best
+        return rows[is_first], ids[is_first], distances[is_first]
 
     def _are_equal(
         self, given: np.ndarray, rows: np.ndarray, ids: np.ndarray, distances: np.ndarray
@@ -230,8 +276,10 @@ class STRtree:
     ) -> np.ndarray:
         """What a call of shapely returns for pairs of geometries."""
         if _IS_VECTORISED:
-            with contextlib.suppress(ShapelyError):  # one by one, to find its pair
-                return getattr(shapely, call)(given[rows], self._geometries[self._index[ids]])
+            try:
+                return getattr(shapely.lib, call)(given[rows], self._geometries[ids])
+            except ShapelyError:
+                pass  # one by one, to find its pair
         one = lambda a, b: getattr(a, call)(b)
         dtype = float if call == "distance" else bool
         return np.array(self._each(one, given, rows, ids, on_error), dtype)
@@ -247,7 +295,7 @@ class STRtree:
         """The results of call(given, its) for each pair, or `on_error`. Without it, an
         error of shapely names the invalid geometries of its pair, or both."""
         results = []
-        for row, index in zip(rows.tolist(), self._index[ids].tolist()):
+        for row, index in zip(rows.tolist(), ids.tolist()):
             pair = given[row], self._geometries[index]
             try:
                 result = call(*pair)
@@ -260,11 +308,43 @@ class STRtree:
             results.append(result)
         return results
 
+    def _test(
+        self, predicate: str, given: np.ndarray, rows: np.ndarray, ids: np.ndarray
+    ) -> np.ndarray:
+        """The tests of pairs in one call of shapely 2, by prepared geometries of one side."""
+        swaps = predicate in _INVERSE
+        if predicate == "intersects" and len(rows):
+            # To prepare a geometry reads its vertices, and a test those of the other side.
+            step, count = len(rows) // 1024 + 1, shapely.lib.get_num_coordinates
+            a, b = count(given[rows[::step]]).mean(), count(self._geometries[ids[::step]]).mean()
+            its_rows, its_ids = 1 + np.count_nonzero(np.diff(rows)), min(len(ids), len(self))
+            swaps = b * its_ids + a * len(rows) < a * its_rows + b * len(rows)
+        sides = (given, rows), (self._geometries, ids)
+        (first, keys), (second, others) = sides[::-1] if swaps else sides
+        test = getattr(shapely.lib, _INVERSE[predicate] if swaps else predicate)
+        # The tests of a prepared geometry follow each other, and its memory is used again by
+        # the next ones, so that all is in the cache.
+        order = np.argsort(keys, kind="stable")
+        holds = np.empty(len(keys), bool)
+        for begin in range(0, len(keys), 4096):
+            some = order[begin : begin + 4096]
+            its = keys[some]
+            is_new = np.diff(its, prepend=-1) != 0
+            used = first[its[is_new]]
+            if swaps:
+                # Another thread can use the tree, and GEOS makes the index of a prepared
+                # geometry during a test, without a lock.
+                used = shapely.lib.set_srid(used, np.intc(0))  # a copy
+            shapely.lib.prepare(used)
+            holds[some] = test(used[np.cumsum(is_new) - 1], second[others[some]])
+        return holds
+
     def _hold(
         self, predicate: str, given: np.ndarray, rows: np.ndarray, ids: np.ndarray
     ) -> np.ndarray:
         if _IS_VECTORISED:
-            shapely.prepare(given[np.unique(rows)])
+            with contextlib.suppress(ShapelyError):  # one by one, to find its pair
+                return self._test(predicate, given, rows, ids)
             return self._ask(predicate, given, rows, ids)
         last, test = None, None
 
@@ -290,6 +370,7 @@ def sjoin(
     lsuffix: str = "left",
     rsuffix: str = "right",
     distance: Any = None,
+    on_attribute: Any = None,
 ) -> Any:
     """Joins two GeoDataFrames where a predicate of their geometries holds.
 
@@ -305,10 +386,14 @@ def sjoin(
     lsuffix, rsuffix : str
         Columns that both frames have become `name_left` and `name_right`. The index
         of the other frame becomes the column `index_right` or `index_left`, or for a
-        MultiIndex the columns `index_right0`, `index_right1` and so on.
+        MultiIndex the columns `index_right0`, `index_right1` and so on. With geopandas 1
+        a level that has a name keeps it, and so does the column of geometries.
+    on_attribute : str or sequence of str, optional
+        Columns of both frames. Joins only rows that have equal values there, which
+        are not NaN. The result has the columns of `left_df`.
 
-    Returns a GeoDataFrame with the columns of `geopandas.sjoin` in geopandas 0.12. The
-    rows are in the order of the frame whose index it has, then of the other frame.
+    Returns a GeoDataFrame with the columns of `geopandas.sjoin` in geopandas 0.12 or 1.0,
+    whichever is installed. The rows are in the order of the frame whose index it has, then of the other frame.
     """
     _check_frames(left_df, right_df, how, lsuffix, rsuffix)
     if predicate == "within":
@@ -320,6 +405,15 @@ def sjoin(
         tree = STRtree(right_df.geometry)
         tree._names = ("left_df.geometry.iloc", "right_df.geometry.iloc")
         left, right = tree.query(left_df.geometry, predicate, distance)
+    if on_attribute is not None:
+        names = [on_attribute] if isinstance(on_attribute, str) else list(on_attribute)
+        for name in names:
+            for frame_name, frame in (("left_df", left_df), ("right_df", right_df)):
+                if name not in frame.columns or name == frame.geometry.name:
+                    raise ValueError(f"on_attribute: {frame_name} has no column {name!r} of values")
+            equal = left_df[name].to_numpy()[left] == right_df[name].to_numpy()[right]
+            left, right = left[equal], right[equal]
+        right_df = right_df.drop(columns=names)
     return _joined(left_df, right_df, left, right, how, lsuffix, rsuffix)
 
 
@@ -383,8 +477,10 @@ def _joined(
     distance_col: Optional[str] = None,
 ) -> Any:
     """The frame of pairs of rows, and with `distance_col` the column of distances."""
+    import geopandas
     import pandas  # type: ignore
 
+    is_new = not geopandas.__version__.startswith("0.")
     is_right = how == "right"
     its, other = (right_df, left_df) if is_right else (left_df, right_df)
     rows, ids = (right, left) if is_right else (left, right)
@@ -399,21 +495,28 @@ def _joined(
     added = pandas.DataFrame(other.drop(columns=other.geometry.name))
     name = f"index_{lsuffix if is_right else rsuffix}"
     levels = added.index.nlevels
+    labels = [name] if levels == 1 else [f"{name}{i}" for i in range(levels)]
+    if is_new:
+        labels = [new if own is None else own for new, own in zip(labels, added.index.names)]
     # A renamed copy, as the index is the caller's.
-    added.index = added.index.set_names(
-        [name] if levels == 1 else [f"{name}{i}" for i in range(levels)]
-    )
+    added.index = added.index.set_names(labels)
     # No row has the number -1.
     added = added.reset_index().reindex(ids[order])
     added.index = result.index
     both = result.columns.intersection(added.columns)
+    its_both = both.drop(its.geometry.name, errors="ignore") if is_new else both
+    index_both = added.columns.intersection(result.index.names) if is_new else both[:0]
     were_twice = np.concatenate([result.columns.duplicated(), added.columns.duplicated()])
     its_suffix, other_suffix = (rsuffix, lsuffix) if is_right else (lsuffix, rsuffix)
     geometry = its.geometry.name
-    if geometry in both:
+    if geometry in its_both:
         geometry = f"{geometry}_{its_suffix}"
-    result = result.rename(columns={column: f"{column}_{its_suffix}" for column in both})
+    result = result.rename(columns={column: f"{column}_{its_suffix}" for column in its_both})
+    both = both.union(index_both)
     added = added.rename(columns={column: f"{column}_{other_suffix}" for column in both})
+    result.index = added.index = result.index.set_names(
+        [f"{own}_{its_suffix}" if own in index_both else own for own in result.index.names]
+    )
     parts = [added, result] if is_right else [result, added]
     names = result.columns.append(added.columns)
     if distance_col is not None:
@@ -443,14 +546,20 @@ def _array_of(geometries: Iterable[Any], name: str) -> np.ndarray:
 
 def _given(geometry: Any) -> Tuple[np.ndarray, bool]:
     """The geometries of a call, and whether it is one."""
-    is_one = geometry is None or isinstance(geometry, (BaseGeometry, str))
+    if isinstance(geometry, BaseGeometry):
+        one = np.empty(1, object)
+        one[0] = geometry
+        return one, True
+    is_one = geometry is None or isinstance(geometry, str)
     return _array_of([geometry] if is_one else geometry, "geometry"), is_one
 
 
 def _bounds_of(geometries: np.ndarray) -> np.ndarray:
     """The boxes, of shape (n, 4). NaN of None and of empty geometries."""
     if _IS_VECTORISED:
-        return shapely.bounds(geometries).reshape(-1, 4)
+        boxes = np.empty((len(geometries), 4))
+        shapely.lib.bounds(geometries, boxes)
+        return boxes
     bounds = np.full((len(geometries), 4), np.nan)
     write, at = _writer_of_bounds(), bounds.ctypes.data
     for geometry in geometries:
@@ -490,12 +599,25 @@ def _writer_of_bounds() -> Callable[[int, int], Any]:
     )
 
 
+def _reach(boxes: np.ndarray, margins: np.ndarray) -> np.ndarray:
+    """The margins, and the error of distances as doubles."""
+    return margins + 2.0**-48 * (margins + np.abs(boxes).max(axis=1, initial=0))
+
+
 def _grown(boxes: np.ndarray, margins: np.ndarray) -> np.ndarray:
-    """The boxes, larger by at least the margins and the error of distances as doubles."""
-    sizes = np.abs(boxes).max(axis=1, keepdims=True, initial=0)
-    margins = margins[:, np.newaxis]
-    margins = margins + 2.0**-48 * (margins + sizes)
+    """The boxes, larger by at least the margins and the error of distances."""
+    margins = _reach(boxes, margins)[:, np.newaxis]
     return np.hstack([boxes[:, :2] - margins, boxes[:, 2:] + margins])
+
+
+def _can_be_others(boxes: np.ndarray, best: Any, far: Any, has_others: bool) -> Any:
+    """Whether there can be nearer ones than the best of the k whose boxes are nearest.
+
+    The others are farther than `far`, whose error is 2^-20. It is inf if boxes are so far
+    away that their distance is no float32.
+    """
+    is_far = np.isinf(far)
+    return is_far | (far * (1 - 2.0**-18) <= _reach(boxes, best)) if has_others else is_far
 
 
 def _limits(distance: Any, count: int) -> np.ndarray:

@@ -62,8 +62,10 @@ struct Rows {
     const std::size_t first = 2 * dims * id;
     return first < values.size() ? values.data() + first : nullptr;
   }
-  // Whether the object is there, at most `margin` from a box on each axis.
-  bool IsNear(std::uint32_t id, const double* box, double margin) const {
+  // Whether the object is there, at most `margin` from a box on each axis, or
+  // if `is_round` by the Euclidean distance, whose error is below 2^-50.
+  bool IsNear(std::uint32_t id, const double* box, double margin,
+              bool is_round = false) const {
     const double* const row = Find(id);
     if (row == nullptr || box == nullptr) return false;
     bool is_near = true;
@@ -71,7 +73,15 @@ struct Rows {
       is_near &=
           row[k] <= box[dims + k] + margin && box[k] <= row[dims + k] + margin;
     }
-    return is_near;
+    if (!is_near || !is_round) return is_near;
+    double squares = 0;
+    for (std::size_t k = 0; k < dims; ++k) {
+      // 0 if both are infinite: max() returns its first argument, not NaN.
+      const double gap = std::max(std::max(0.0, row[k] - box[dims + k]),
+                                  box[k] - row[dims + k]);
+      squares += gap * gap;
+    }
+    return squares <= margin * margin * (1 + 0x1p-50);
   }
   // Without it, most of the time is spent waiting for memory.
   void Prefetch(std::uint32_t id) const {
@@ -88,7 +98,7 @@ constexpr std::size_t kAhead = 16;
 
 // Removes the pairs whose boxes are farther apart than the margin. Returns how
 // many are left.
-std::size_t KeepNear(const Rows& a, const Rows& b, double margin,
+std::size_t KeepNear(const Rows& a, const Rows& b, double margin, bool is_round,
                      std::span<hs_id_pair> pairs) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -97,7 +107,7 @@ std::size_t KeepNear(const Rows& a, const Rows& b, double margin,
       b.Prefetch(pairs[i + kAhead].b);
     }
     const hs_id_pair pair = pairs[kept] = pairs[i];
-    kept += b.IsNear(pair.b, a.Find(pair.a), margin) ? 1 : 0;
+    kept += b.IsNear(pair.b, a.Find(pair.a), margin, is_round) ? 1 : 0;
   }
   return kept;
 }
@@ -153,7 +163,7 @@ struct Tree {
   }
   void KeepPairs(float margin, std::vector<hs_id_pair>& pairs) const {
     if (!is_exact) return;
-    pairs.resize(KeepNear(rows(), rows(), margin, pairs));
+    pairs.resize(KeepNear(rows(), rows(), margin, false, pairs));
   }
 
   // Makes room for ids below the limit. What has room does not throw.
@@ -556,7 +566,8 @@ py::array BlobOf(const py::object& object, bool is_pickle) {
 // without the interpreter's lock.
 Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b,
                               hs_pair_options options, Work& work,
-                              const Rows& of_a, const Rows& of_b) {
+                              const Rows& of_a, const Rows& of_b,
+                              bool is_round = false) {
   std::size_t leaves = 0;
   Check(hs_bvh_pair_parts(a, &leaves));
   const std::size_t parts = PartsOf(leaves, kPartLeaves);
@@ -572,7 +583,7 @@ Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b,
                 : hs_bvh_join(a, b, &its, pairs.data(), pairs.size(), &total));
       const bool is_exact = !of_a.values.empty() && !of_b.values.empty();
       if (total > pairs.size() || !is_exact) return total;
-      return KeepNear(of_a, of_b, options.margin, pairs.first(total));
+      return KeepNear(of_a, of_b, options.margin, is_round, pairs.first(total));
     });
   });
   return results;
@@ -683,8 +694,10 @@ std::vector<double> DoublesOf(const Tree& tree) {
 }
 
 // The pairs of a tree and of `b`, or of itself if this is null, in an array of
-// shape (2, n). Those of one tree have i < j.
-Ids PairsOf(Tree& tree, Tree* b, float margin, const py::tuple& how) {
+// shape (2, n). Those of one tree have i < j. If `is_round`, the margin is a
+// Euclidean distance.
+Ids PairsOf(Tree& tree, Tree* b, float margin, bool is_round,
+            const py::tuple& how) {
   hs_pair_options options = DefaultOf(&hs_pair_options_default);
   options.margin = margin;
   options.mask = MaskOf(how);
@@ -698,16 +711,20 @@ Ids PairsOf(Tree& tree, Tree* b, float margin, const py::tuple& how) {
     // A tree of floats has no doubles.
     Rows of_a = tree.rows();
     Rows of_b = other.rows();
-    std::vector<double> made;
-    if (tree.is_exact != other.is_exact) {
-      made = DoublesOf(tree.is_exact ? other : tree);
-      (tree.is_exact ? of_b : of_a).values = made;
+    std::array<std::vector<double>, 2> made;
+    if (is_round || tree.is_exact || other.is_exact) {
+      if (!tree.is_exact) of_a.values = made[0] = DoublesOf(tree);
+      if (&tree == &other) {
+        of_b = of_a;
+      } else if (!other.is_exact) {
+        of_b.values = made[1] = DoublesOf(other);
+      }
     }
     std::size_t size = 0;
     Check(hs_bvh_size(tree.get(), &size));
     work.SetStage(0, size, size);
     return FindPairs(tree.get(), b == nullptr ? nullptr : b->get(), options,
-                     work, of_a, of_b);
+                     work, of_a, of_b, is_round);
   }();
   std::vector<std::size_t> offsets{0};
   for (const auto& list : results.lists) {

@@ -266,6 +266,8 @@ BAD_CALLS = [
     (lambda: TREE.set_masks(1, [2]), "ids[0]: expected the id of an object, got 2"),
     (lambda: TREE.query(BOX, mask=2**32), "mask: expected an integer from 0 to 4294967295"),
     (lambda: TREE.pairs(margin=INF), "margin: expected a finite float32, got inf"),
+    (lambda: TREE.pairs(within=INF), "within: expected a finite float32, got inf"),
+    (lambda: hs.join(TREE, TREE, margin=1, within=1), "within: expected no margin next to it"),
     (lambda: TREE.pairs(margin=1e39), "margin: expected a finite float32, got 1e+39"),
     (lambda: hs.join(TREE, TREE, margin=NAN), "margin: expected a number that is not neg"),
     (lambda: hs.join(TREE, hs.BVH(BOXES)), "b: expected a BVH of 2 dimension"),

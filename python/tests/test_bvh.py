@@ -285,6 +285,14 @@ def test_casts_of_spheres(dims, tree_of):
     assert t == pytest.approx([4 - 0.75**0.5, 3.75], abs=1e-4)
 
 
+def are_within(a, b, distance):
+    a, b = a.astype(float)[:, None], b.astype(float)
+    dims = b.shape[1] // 2
+    with np.errstate(invalid="ignore", over="ignore"):
+        gaps = np.fmax(a[..., :dims] - b[:, dims:], b[:, :dims] - a[..., dims:])
+        return (np.fmax(gaps, 0) ** 2).sum(axis=2) <= distance**2
+
+
 @pytest.mark.parametrize("exact", [(False, False), (True, False), (True, True)])
 @pytest.mark.parametrize("n", [0, 1, 64, 65, 2000])
 def test_pairs_and_join(rng, dims, n, exact):
@@ -311,6 +319,12 @@ def test_pairs_and_join(rng, dims, n, exact):
         for found in (hs.join(tree, other, margin=margin),
                       hs.join(other, tree, margin=margin, threads=2)[::-1]):
             assert (as_matrix(found, expected.shape) == expected).all()
+    expected = are_within(boxes, others, 0.125)
+    for found in (hs.join(tree, other, within=0.125),
+                  hs.join(other, tree, within=0.125, threads=2)[::-1]):
+        assert (as_matrix(found, expected.shape) == expected).all()
+    expected = np.triu(are_within(boxes, boxes, 0.125), 1)
+    assert (as_matrix(tree.pairs(within=0.125), expected.shape) == expected).all()
     assert pickle.loads(pickle.dumps(tree)).dims == dims
     assert (tree.nearest([5e5] * dims)[0] >= 0) == (n > 0)
     tree.insert(others[6:])

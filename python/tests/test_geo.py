@@ -103,7 +103,7 @@ def test_nearest():
     found = TREE.nearest(given)
     least = [min(a.distance(b) for b in GEOMETRIES if is_there(b)) for a in given]
     assert [a.distance(GEOMETRIES[j]) for a, j in zip(given, found)] == least
-    assert TREE.nearest(given[0]) == found[0]
+    assert [TREE.nearest(a) for a in given] == found.tolist()
     assert geo.STRtree([]).nearest(given[0]) is None
     with pytest.raises(ValueError, match="expected geometries that are not None"):
         TREE.nearest([None])
@@ -136,6 +136,18 @@ def test_a_geometry_without_a_box_is_left_out():
     bad = [Point(0, np.nan), Point(np.nan, 0)]
     assert len(geo.STRtree([*bad, Point(1, 1)])) == 1
     assert TREE.query(bad).shape == TREE.query_nearest(bad).shape == (2, 0)
+    for one in bad:
+        assert TREE.query(one).shape == TREE.query(one, "intersects").shape == (0,)
+
+
+# Distances whose squares are no float32, and many boxes at the distance 0.
+def test_nearest_of_boxes_that_are_far_or_many():
+    tree = geo.STRtree([Point(0, 0), Point(2.0**66, 0), Point(2.0**67, 0)])
+    assert [tree.nearest(Point(x, 0)) for x in (-(2.0**70), 2.0**70)] == [0, 2]
+    assert tree.query_nearest([Point(2.0**70, 0), Point(1, 0)]).tolist() == [[0, 1], [2, 0]]
+    tree = geo.STRtree([LineString([(-i, -i), (i, -i), (i, i)]) for i in range(20, 0, -1)])
+    assert tree.nearest(Point(-0.5, 0.5)) == 19
+    assert tree.query_nearest([Point(-0.5, 0.5)], all_matches=False).tolist() == [[0], [19]]
 
 
 class OldGeos(ctypes.PyDLL):
@@ -325,6 +337,24 @@ def test_sjoin_nearest(how, max_distance):
         geo.sjoin_nearest(left, right, how, max_distance), found.drop(columns="far"))
 
 
+def test_sjoin_on_attribute():
+    left, right = frame_of(60, 3, ["a", "b"]), frame_of(80, 4, ["a", "b"])
+    left["a"], right["a"] = left["a"] % 3.0, right["a"] % 3.0
+    left.loc[::5, "a"] = right.loc[::5, "a"] = np.nan
+    for how in ("inner", "left", "right"):
+        joined = geo.sjoin(left, right, how, on_attribute="a")
+        expected = geo.sjoin(left, right).query("a_left == a_right")
+        found = joined[joined["index_left" if how == "right" else "index_right"].notna()]
+        assert len(found) == len(expected) > 9
+        assert sorted(found["a"]) == sorted(expected["a_left"])
+        assert "a_left" not in joined.columns and "b_left" in joined.columns
+        assert len(joined) == len(found) + (0 if how == "inner" else len(
+            set((right if how == "right" else left).index) - set(found.index)))
+    for name in ("c", "geometry"):
+        with pytest.raises(ValueError, match=f"on_attribute: left_df has no column '{name}'"):
+            geo.sjoin(left, right, on_attribute=["a", name])
+
+
 def test_sjoin_errors():
     frame = frame_of(3, 7, ["a"])
     for left, right, options, text in (
@@ -350,7 +380,9 @@ def test_sjoin_errors():
     twice = frame_of(3, 7, ["b", "c"]).rename(columns={"c": "b"})
     assert list(geo.sjoin(twice, frame).columns) == ["b", "b", "geometry", "index_right", "a"]
     shapes = frame.rename_geometry("shape").assign(geometry=1)
-    assert geo.sjoin(frame, shapes).geometry.name == "geometry_left"
+    import geopandas
+    name = "geometry_left" if geopandas.__version__.startswith("0.") else "geometry"
+    assert geo.sjoin(frame, shapes).geometry.name == name
     near = geo.sjoin(frame, frame, predicate="dwithin", distance=100)
     there = sum(map(is_there, frame.geometry))
     assert len(near) == there**2

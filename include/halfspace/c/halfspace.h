@@ -735,9 +735,11 @@ HALFSPACE_API hs_status hs_bvh_spherecast_each(
 //
 // Writes the triangle that each ray hits first, and where. Whether a ray hits a
 // triangle is decided exactly, so no ray passes between triangles that share an
-// edge. The rest is as in hs_bvh_raycast() and hs_bvh_raycast_each(), which
-// have the boxes instead. Many rays take 1.05 to 1.25 times as long as with
-// RayCast() and HitTriangle() in C++ (triangles.h; measured on a Zen 5).
+// edge. A ray through the edge hits both, so the parity of hits does not say
+// whether a point is inside of a closed mesh. The rest is as in
+// hs_bvh_raycast() and hs_bvh_raycast_each(), which have the boxes instead.
+// Many rays take 1.05 to 1.25 times as long as with RayCast() and HitTriangle()
+// in C++ (triangles.h; measured on a Zen 5).
 HALFSPACE_API hs_status hs_bvh_raycast_triangles(
     const hs_bvh* bvh, const hs_columns* rays, const hs_columns* triangles,
     const hs_query_options* options, uint32_t* ids, float* ts);
