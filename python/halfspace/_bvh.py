@@ -322,8 +322,8 @@ class BVH(Searches):
         From there on, whether a ray hits a triangle is exact: the edges and corners
         belong to it, so no ray passes between two triangles that share an edge. A
         ray through the edge hits both, so the parity of the hits does not say whether a
-        point is inside of a closed mesh. A triangle without an area, or in whose plane the ray lies, is not hit. `t` is
-        within one float32 of the exact value.
+        point is inside of a closed mesh. A triangle without an area, or in whose plane
+        the ray lies, is not hit. `t` is within one float32 of the exact value.
         """
         starts = _arrays.points(origins, "origins", self.dims)
         how = _arrays.how(mask, threads, progress)

@@ -393,7 +393,8 @@ def sjoin(
         are not NaN. The result has the columns of `left_df`.
 
     Returns a GeoDataFrame with the columns of `geopandas.sjoin` in geopandas 0.12 or 1.0,
-    whichever is installed. The rows are in the order of the frame whose index it has, then of the other frame.
+    whichever is installed. The rows are in the order of the frame whose index it has, then
+    of the other frame.
     """
     _check_frames(left_df, right_df, how, lsuffix, rsuffix)
     if predicate == "within":
