@@ -21,7 +21,7 @@ function(halfspace_configure_target target)
       -fno-fast-math -ffp-contract=off)
     # The registers of x87 keep more digits than a float has.
     if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(i.86|x86|x86_64|AMD64)$" AND
-       CMAKE_SIZEOF_VOID_P EQUAL 4)
+       CMAKE_SIZEOF_VOID_P EQUAL 4 AND NOT EMSCRIPTEN)
       target_compile_options(${target} PRIVATE -msse2 -mfpmath=sse)
     endif()
     # gcc notes that passing wide vectors changed its ABI; no such function

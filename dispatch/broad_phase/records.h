@@ -29,7 +29,6 @@
 #ifndef HALFSPACE_DISPATCH_BROAD_PHASE_RECORDS_H_
 #define HALFSPACE_DISPATCH_BROAD_PHASE_RECORDS_H_
 
-#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -150,7 +149,7 @@ class Records {
   void Erase(std::uint32_t id);
   // Takes the ids and the sets of changed bodies from another object, after
   // ReserveAs(), with the bounds value_of(id, plane), and without marks.
-  template <std::size_t kAxes, typename ValueOf>
+  template <typename ValueOf>
   void Assign(const Records& other, const ValueOf& value_of);
   // No body may move or be read at the same time.
   void Swap(Records& other);
@@ -369,38 +368,42 @@ class Records {
   std::atomic<std::uint32_t> time_{0};
 };
 
-template <std::size_t kAxes, typename ValueOf>
+template <typename ValueOf>
 void Records::Assign(const Records& other, const ValueOf& value_of) {
   TakeMarks();
+  Clear(kForPairs);
+  Clear(kForOrder);
   ForEachGroup([&](std::size_t g, Group& group) {
-    static constexpr Group kNone{};
-    const Group* const in =
+    const Group* const from =
         g < other.group_count() ? other.GroupAt(g) : nullptr;
-    const Group& from = in == nullptr ? kNone : *in;
-    for (std::size_t s = 0; s < 2; ++s) {
-      group.some_changed[s] = from.some_changed[s];
-      std::copy_n(from.changed[s], 64, group.changed[s]);
-    }
     for (std::size_t w = 0; w < 64; ++w) {
       Word* const to = group.records[w].load(std::memory_order_relaxed);
-      const Word* const its = from.records[w].load(std::memory_order_relaxed);
-      for (std::size_t i = 0; to != nullptr && i < 64; ++i) {
-        Word* const record = to + i * words_;
-        const bool is_body =
-            its != nullptr &&
-            (its[i * words_].load(std::memory_order_relaxed) & kPresent) != 0;
-        record->store(is_body ? kPresent : 0, std::memory_order_relaxed);
-        for (std::size_t a = 0; is_body && a < kAxes; ++a) {
-          const float two[2] = {value_of(IdOf(g, w, i), 2 * a),
-                                value_of(IdOf(g, w, i), 2 * a + 1)};
-          std::uint64_t word;
-          std::memcpy(&word, two, sizeof(word));
-          record[1 + a].store(word, std::memory_order_relaxed);
+      const Word* const its =
+          from == nullptr ? nullptr
+                          : from->records[w].load(std::memory_order_relaxed);
+      if (to == nullptr) continue;
+      WithAxes(words_ - 1, [&](auto axes) {
+        constexpr std::size_t kWords = 1 + axes;
+        for (std::size_t i = 0; i < 64; ++i) {
+          Word* const record = to + i * kWords;
+          const bool is_body =
+              its != nullptr &&
+              (its[i * kWords].load(std::memory_order_relaxed) & kPresent) != 0;
+          record->store(is_body ? kPresent : 0, std::memory_order_relaxed);
+          for (std::size_t a = 0; is_body && a < axes; ++a) {
+            const float two[2] = {value_of(IdOf(g, w, i), 2 * a),
+                                  value_of(IdOf(g, w, i), 2 * a + 1)};
+            std::uint64_t word;
+            std::memcpy(&word, two, sizeof(word));
+            record[1 + a].store(word, std::memory_order_relaxed);
+          }
         }
-      }
+      });
     }
   });
-  std::copy_n(other.counts_, 2, counts_);
+  for (const ChangedSet set : {kForPairs, kForOrder}) {
+    other.ForEachOf(set, [&](std::uint32_t id) { Add(set, id); });
+  }
 }
 
 }  // namespace halfspace::detail

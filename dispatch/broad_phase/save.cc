@@ -81,11 +81,18 @@ bool AreEqual(const BroadPhaseOptions& a, const BroadPhaseOptions& b) {
          a.caller_locks == b.caller_locks;
 }
 
+void Copy(BroadPhaseState& from, BroadPhaseState& to) {
+  Changing changing(from, Changing::kAllMarked);
+  from.Flush();
+  changing.ShowTree();
+  to.Assign(from);
+}
+
 }  // namespace
 
 BroadPhaseCore::BroadPhaseCore(const BroadPhaseCore& other)
     : BroadPhaseCore(other.state_->type, other.state_->options) {
-  Assign(other);
+  Copy(*other.state_, *state_);
 }
 
 BroadPhaseCore& BroadPhaseCore::operator=(const BroadPhaseCore& other) {
@@ -93,16 +100,8 @@ BroadPhaseCore& BroadPhaseCore::operator=(const BroadPhaseCore& other) {
   if (state_ == nullptr || !AreEqual(state_->options, other.state_->options)) {
     return *this = BroadPhaseCore(other);
   }
-  Assign(other);
+  Copy(*other.state_, *state_);
   return *this;
-}
-
-void BroadPhaseCore::Assign(const BroadPhaseCore& other) {
-  BroadPhaseState& from = *other.state_;
-  Changing changing(from, Changing::kAllMarked);
-  from.Flush();
-  changing.ShowTree();
-  state_->Assign(from);
 }
 
 void BroadPhaseCore::Save(SaveFunction function, void* context) const {

@@ -155,13 +155,12 @@ void BroadPhaseState::Assign(const BroadPhaseState& from) {
   events = from.events;
   wear = from.wear;
   is_sorted_enough = from.is_sorted_enough;
-  WithAxes(type.axes, [&](auto axes) {
-    const BvhLevels& levels = tree.levels();
-    records.Assign<axes>(
-        from.records, [&levels](std::uint32_t id, std::size_t plane) {
-          return levels.level[0].Value(plane, levels.slots[id]);
-        });
-  });
+  const BvhLevels& levels = tree.levels();
+  records.Assign(from.records,
+                 [level = levels.level[0], slots = levels.slots](
+                     std::uint32_t id, std::size_t plane) {
+                   return level.Value(plane, slots[id]);
+                 });
   size.store(tree.size(), std::memory_order_relaxed);
 }
 

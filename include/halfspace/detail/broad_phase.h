@@ -98,8 +98,6 @@ class HALFSPACE_API BroadPhaseCore {
   BroadPhaseState& state() const { return *state_; }
 
  private:
-  void Assign(const BroadPhaseCore& other);
-
   BroadPhaseState* state_;
 };
 
