@@ -156,11 +156,10 @@ void BroadPhaseState::Assign(const BroadPhaseState& from) {
   wear = from.wear;
   is_sorted_enough = from.is_sorted_enough;
   const BvhLevels& levels = tree.levels();
-  records.Assign(from.records,
-                 [level = levels.level[0], slots = levels.slots](
-                     std::uint32_t id, std::size_t plane) {
-                   return level.Value(plane, slots[id]);
-                 });
+  records.Assign(from.records, [level = levels.level[0], slots = levels.slots](
+                                   std::uint32_t id, std::size_t plane) {
+    return level.Value(plane, slots[id]);
+  });
   size.store(tree.size(), std::memory_order_relaxed);
 }
 
