@@ -47,7 +47,8 @@ void ReadersLock::Use(std::size_t line) {
 }
 
 void ReadersLock::EnterSlowly(std::size_t line) {
-  has_waits_.store(true, std::memory_order_relaxed);
+  // All queries read its cache line.
+  if (!HasWaits()) has_waits_.store(true, std::memory_order_relaxed);
   do {
     Leave(line);
     for (Pause pause; is_closed_.load(std::memory_order_acquire);) pause();

@@ -44,17 +44,18 @@ class ReadersLock {
     }
   }
 
-  // The right to change.
+  // Takes and gives back the right to change.
   void Lock() { changes_.lock(); }
   void Unlock() { changes_.unlock(); }
-  // With that right: waits for exclusive access, and ends it.
+  // Close() waits for exclusive access, and Open() ends it. Both need the right
+  // to change.
   void Close();
   void Open() { is_closed_.store(false, std::memory_order_release); }
-  // Both, if no other thread has the right and no query reads.
+  // Calls Lock() and Close(), if neither has to wait, and returns whether.
   bool TryLockAndClose();
 
-  // With the right to change. Whether a query and a change have waited for each
-  // other since the last call.
+  // Whether a query and a change have waited for each other since the last
+  // TakeWaits(), which needs the right to change.
   bool HasWaits() const { return has_waits_.load(std::memory_order_relaxed); }
   bool TakeWaits() {
     return has_waits_.exchange(false, std::memory_order_relaxed);

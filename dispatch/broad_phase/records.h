@@ -5,11 +5,11 @@
 // - A mover makes the record's version odd, writes the bound, sets the body's
 //   mark, and makes the version even. If the mark was not set before, it stamps
 //   the record with the time.
-// - A thread with exclusive access takes marks, and then copies the bounds of
-//   these bodies. It waits while a version is odd.
+// - A thread with the right to change takes marks, and then copies the bounds
+//   of these bodies. It waits while a version is odd.
 // - A query that cannot have exclusive access is a late query, and takes the
 //   time. Bodies with a mark and an earlier stamp are late: their bounds in the
-//   tree are older than the query. No mark is taken during a query, and a body
+//   tree are older than the query. No mark is taken during it, and a body
 //   that gets its mark during the query gets a later stamp. So each body is
 //   late or not for all of the query.
 //
@@ -130,8 +130,8 @@ class Records {
     }
   }
 
-  // These need exclusive access: no query and no other change may run at the
-  // same time, but movers may.
+  // These need the right to change, and that no late query runs. Movers may run
+  // at the same time.
 
   // Allocates the list of groups for ids below a limit, or the list that
   // another object has. Reserve() of one id after another would leave several
@@ -370,7 +370,7 @@ class Records {
 
 template <typename ValueOf>
 void Records::Assign(const Records& other, const ValueOf& value_of) {
-  TakeMarks();
+  TakeMarks();  // into sets that are replaced
   Clear(kForPairs);
   Clear(kForOrder);
   ForEachGroup([&](std::size_t g, Group& group) {

@@ -1,8 +1,8 @@
 // The state of a broad phase: the records of its bodies, which Move() writes, a
 // tree of all bodies, and the pairs of the last UpdatePairs().
 //
-// Queries read the tree under the lock of readers. A thread with exclusive
-// access writes it. A flush copies the bounds of bodies with a mark from their
+// Queries read the tree under the lock of readers. The tree is written where no
+// query may read it. A flush copies the bounds of bodies with a mark from their
 // records into the tree. Where queries and updates have met, queries read a
 // copy of the tree during an update. docs/design.md says who may run at the
 // same time, and why no change is lost.
@@ -59,7 +59,7 @@ class BroadPhaseState {
   // Throws unless bodies have all these ids.
   void CheckBodies(const char* call, Span<const std::uint32_t> ids) const;
 
-  // With exclusive access.
+  // With the right to change.
   BlockVector<std::uint32_t> IdsOf(Records::ChangedSet set,
                                    const MemoryResource& memory) const;
 
@@ -74,8 +74,8 @@ class BroadPhaseState {
     return masks;
   }
 
-  // With exclusive access. Copies the bounds of bodies with a mark into the
-  // tree. Allocates nothing.
+  // With the right to change, and while no query may read `tree`. Copies the
+  // bounds of bodies with a mark into it. Allocates nothing.
   void Flush();
   // Takes the bodies of a tree. The state must have no bodies.
   void Adopt(BvhTree its_tree);

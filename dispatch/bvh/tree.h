@@ -51,9 +51,10 @@ class BvhState {
   // After a change, for a caller that sorts by itself: insertions until now do
   // not count towards a sort of all.
   void PutOffSort() { header().inserted = 0; }
-  // As Rebuild(), in the memory of the tree, whose pages are there.
-  // Becomes a copy, in its own memory if both have equal room.
+  // Becomes a copy, in its own memory if both have equal room. If it throws,
+  // nothing has changed.
   void CopyFrom(const BvhState& other);
+  // As Rebuild(), in the memory of the tree, whose pages are there.
   void SortAll(const char* call, BuildQuality quality, const Runner& run);
   void EncodePath(std::size_t slot, bool is_new_block = false);
   void EncodeTouched(std::uint64_t* changed);

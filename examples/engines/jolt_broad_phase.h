@@ -221,7 +221,7 @@ class BroadPhaseHalfspace final : public BroadPhase {
     std::vector<Box> bounds;
     std::vector<halfspace::BodyMasks> masks;
   };
-  // Of the calling thread, until its next call.
+  // The list is that of the calling thread, until its next call.
   const List& ListOf(const BodyID* ids, int number) const {
     thread_local List list;
     list.ids.clear();
@@ -304,7 +304,7 @@ class BroadPhaseHalfspace final : public BroadPhase {
   unsigned layers_ = 0;
   std::unique_ptr<State[]> states_;  // by id
 
-  // Of a step.
+  // The pairs of a step.
   mutable std::mutex pairs_mutex_;
   mutable ActivePairs pairs_;
   mutable std::atomic<bool> has_pairs_{false};

@@ -45,17 +45,18 @@
 //   calls that change the same body must not run at the same time.
 // - Insert(), Erase(), SetMasks(), Update(), Rebuild(), UpdatePairs(), Load(),
 //   Save(), a copy, Statistics() and Validate() run one after another. Bodies
-//   may move at the same time. The calls wait until no query reads the bodies,
-//   which is while no query is outside of its function. Queries that begin wait
-//   for them, except for the search of UpdatePairs() and the writes of Save()
-//   and a copy.
-// - After such a call and a query have waited for each other, the next 64
-//   Update() and Rebuild() go on beside queries, if they change more than a
-//   32nd of the bodies. Queries then read a copy of the bodies, as they were
-//   before the call, and wait only while the two are exchanged. This takes 45
-//   bytes and 1 to 2 ns a body (Zen 5). Where another thread updates all the
-//   time, queries are as fast as where it only moves bodies. Not with
-//   moves_are_seen_at_once.
+//   may move at the same time. Each waits until no query runs, except in its
+//   function. Queries that begin wait for it, but not during the search of
+//   UpdatePairs(), nor while Save() or a copy writes.
+// - After such a call and a query have waited for each other, the next 64 calls
+//   of Update(), Rebuild(), UpdatePairs(), Save() and copies go on beside
+//   queries, if they change more than a 32nd of the bodies. Queries then read a
+//   copy of the tree, as it was before the call, and wait only while the two
+//   are exchanged. This takes 45 bytes and 1 to 2 ns a body (Zen 5). Where
+//   another thread updates all the time, queries are as fast as where it only
+//   moves bodies. With moves_are_seen_at_once, queries always wait.
+// - An assignment to a broad phase needs it alone: no other call of it may run,
+//   nor the function of one of its queries.
 // - A query never waits for a query, and Move() waits for nothing. No call
 //   waits for a function of a query, so each may be made under any lock.
 // - The functions that these calls call (PairFilter::keep, Runner and the
@@ -111,7 +112,7 @@ struct BodyMasks {
 // BodyMasks. The result replaces it. `keep` must return the same for (a, b) and
 // (b, a), and the same in each call until SetMasks() of one of them. It can run
 // on several threads at the same time. It must not throw, and must not call the
-// broad phase, because UpdatePairs() calls it.
+// broad phase, because UpdatePairs() is a change.
 //
 // Box2D's groups: return group[a] != 0 && group[a] == group[b] ? group[a] > 0
 // : masks_match. Jolt's layers: return layer_filter.ShouldCollide(layer[a],

@@ -565,6 +565,19 @@ TEST(BroadPhaseMemoryTest, AssignmentsThatFailChangeNothing) {
   to = from;
   EXPECT_EQ(memory.allocations, allocations);
   EXPECT_EQ(FoundIn(to, kUnit), (Ids{1, 2}));
+  // With equal options, into memory that is too small.
+  Ids more = IdsUpTo(5000);
+  more.erase(more.begin(), more.begin() + 10);
+  from.Insert(more, std::vector<Aabb3>(more.size(), kUnit));
+  EXPECT_GT(FailuresOf(
+                memory, [&] { to = from; },
+                [&] {
+                  EXPECT_EQ(FoundIn(to, kUnit), (Ids{1, 2}));
+                  EXPECT_EQ(to.pairs().size(), 1u);
+                  EXPECT_TRUE(to.Validate());
+                }),
+            2u);
+  EXPECT_EQ(to.size(), from.size());
   to.Erase(1);
   EXPECT_TRUE(from.Has(1));
 }
