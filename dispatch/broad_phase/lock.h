@@ -58,7 +58,11 @@ class ReadersLock {
   // TakeWaits(), which needs the right to change.
   bool HasWaits() const { return has_waits_.load(std::memory_order_relaxed); }
   bool TakeWaits() {
-    return has_waits_.exchange(false, std::memory_order_relaxed);
+    // Not by exchange(), which is a call of libatomic on riscv64 (gcc 12). A
+    // wait that is lost is one of many.
+    const bool has_waits = HasWaits();
+    has_waits_.store(false, std::memory_order_relaxed);
+    return has_waits;
   }
 
  private:
