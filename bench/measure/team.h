@@ -12,6 +12,9 @@
 
 namespace halfspace::bench {
 
+// A thread that had less of a CPU shared it with other programs.
+inline constexpr double kLeastShare = 0.9;
+
 struct TeamTime {
   double seconds = 0.0;    // from the first start to the last end
   double cpu_share = 1.0;  // of the thread that was on a CPU least of its time

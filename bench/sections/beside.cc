@@ -19,9 +19,6 @@
 namespace halfspace::bench {
 namespace {
 
-// A thread that had less of a CPU shared it with other programs.
-constexpr double kLeastShare = 0.9;
-
 enum class Other { kNothing, kMoves, kFrames, kFramesWithPairs };
 constexpr std::array<const char*, 4> kOthers = {"does nothing", "moves 64",
                                                 "updates", "finds pairs"};

@@ -16,8 +16,6 @@
 namespace halfspace::bench {
 namespace {
 
-// A thread that had less of a CPU shared it with other programs.
-constexpr double kLeastShare = 0.9;
 // Long enough that a thread which starts late does not count.
 constexpr double kSeconds = 0.02;
 
