@@ -13,7 +13,7 @@
 namespace halfspace::bench {
 
 // A thread that had less of a CPU shared it with other programs.
-inline constexpr double kLeastShare = 0.9;
+inline constexpr double kWholeCpu = 0.9;
 
 struct TeamTime {
   double seconds = 0.0;    // from the first start to the last end

@@ -130,7 +130,7 @@ Tables RunBeside(Run& run) {
       double alone = 0;
       for (std::size_t o = 0; o < kOthers.size(); ++o) {
         const Beside::Result result = beside.Run(static_cast<Other>(o));
-        if (result.time.cpu_share < kLeastShare) continue;
+        if (result.time.cpu_share < kWholeCpu) continue;
         if (o == 0) alone = result.queries;
         queries[o].push_back(1e-6 * result.queries);
         if (alone > 0) shares[o].push_back(result.queries / alone);

@@ -60,7 +60,7 @@ void AddRows(Run& run, const std::string& name, const SimplexView3& view,
       throw WrongAnswer("threads/" + name +
                         ": the masks are not those of one thread");
     }
-    if (time.cpu_share < kLeastShare) continue;
+    if (time.cpu_share < kWholeCpu) continue;
     ns[c].push_back(1e9 * time.seconds /
                     static_cast<double>(queries.size() * view.size * rounds));
   }
