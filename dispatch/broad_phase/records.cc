@@ -240,7 +240,7 @@ void Records::Erase(std::uint32_t id) {
 
 void Records::Swap(Records& other) {
   list_.store(other.list_.exchange(list_));
-  // Not by exchange(): gcc 12 has that of a byte on riscv64 in a library.
+  // Not by exchange(), which is a call of libatomic on riscv64 (gcc 12).
   const bool has_marks = has_marks_;
   has_marks_ = other.has_marks_.load();
   other.has_marks_ = has_marks;

@@ -103,7 +103,7 @@ class BroadPhaseState {
   // The tree that queries read: `tree`, or during an update `tree_copy`.
   const BvhTree* shown = &tree;
   BvhTree tree_copy;
-  // Updates go on beside queries so many times more.
+  // How many of the next updates may go on beside queries.
   std::uint32_t beside = 0;
   PairEventsCore events;
   Wear wear;

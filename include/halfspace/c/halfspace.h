@@ -1003,11 +1003,11 @@ HALFSPACE_API hs_status hs_bvh_verify(const hs_bvh* bvh);
 // - hs_broad_phase_insert(), ..._erase(), ..._set_masks(), ..._update(),
 //   ..._rebuild(), ..._update_pairs(), ..._load(), ..._save(), ..._copy(),
 //   ..._statistics() and ..._validate() run one after another. Bodies may move
-//   at the same time. They wait until no query runs outside of its callback.
-//   Queries that begin wait for them, except for the search of
-//   ..._update_pairs() and the writes of ..._save() and ..._copy(). After such
-//   a call and a query have waited for each other, ..._update() and
-//   ..._rebuild() go on beside queries (broad_phase.h).
+//   at the same time. Each waits until no query runs, except in its callback.
+//   Queries that begin wait for it, but not during the search of
+//   ..._update_pairs(), nor while ..._save() or ..._copy() writes. After such a
+//   call and a query have waited for each other, the next 64 updates, searches
+//   for pairs, saves and copies go on beside queries (broad_phase.h).
 // - A query never waits for a query, and ..._move() waits for nothing. No call
 //   waits for a callback, so each may be made under any lock.
 // - hs_broad_phase_destroy() needs exclusive access, and nobody may read the
