@@ -26,11 +26,15 @@ float SquaredLimit(float radius) {
   return limit;
 }
 
+float OutwardOffset(double scaled) {
+  return RoundedUp(scaled + std::abs(scaled) * 0x1p-19 + 0x1p-120);
+}
+
 // Returns false if the half-space rejects nothing with this offset.
 bool SetOffset(double scaled, HalfSpaceTest& test) {
   const bool is_finite = std::isfinite(scaled);
   scaled = std::clamp(scaled, -0x1p126, 0x1p126);
-  test.offset = RoundedUp(scaled + std::abs(scaled) * 0x1p-19 + 0x1p-120);
+  test.offset = OutwardOffset(scaled);
   return is_finite && scaled < 0x1p126;
 }
 
@@ -133,6 +137,37 @@ void MakeLine(const PlaneLayout& planes, const double* low, const double* high,
 }
 
 namespace {
+
+// Makes the test of TestOf<kDims, true>(), in a third of the time. Returns
+// false if a number is 0, tiny, huge or NaN.
+template <std::size_t kDims>
+bool TrySetTest(const PlaneLayout& planes, const float* normal, float offset,
+                HalfSpaceTest& test) {
+  bool is_usual = std::abs(offset) <= 0x1p60f;
+  float largest = 0;
+  for (std::size_t k = 0; k < kDims; ++k) {
+    const float size = std::abs(normal[k]);
+    is_usual &= size >= 0x1p-40f;
+    is_usual &= size <= 0x1p40f;
+    largest = std::max(largest, size);
+  }
+  if (!is_usual) return false;
+  constexpr std::uint32_t kOne = 127;  // the exponent of 1
+  const auto scale = kernels::BitCast<float>(
+      (kOne - 4 - (kernels::BitCast<std::uint32_t>(largest) >> 23) + kOne)
+      << 23);
+  test.terms = kDims;
+  test.offset = OutwardOffset(double{offset} * scale);
+  for (std::size_t k = 0; k < kDims; ++k) {
+    const float factor = normal[k] * scale;
+    // No branch on the sign, because it would be mispredicted.
+    const auto min = static_cast<std::uint32_t>(k);
+    const std::uint32_t up = planes.axes * std::uint32_t{factor > 0};
+    test.term[k] = {min + up, min + planes.axes - up, factor * (1 + 0x1p-19f),
+                    factor * (1 - 0x1p-19f)};
+  }
+  return true;
+}
 
 // Without loops of unknown length, and without the terms that a box lacks: a
 // list of six half-spaces takes half as long.
@@ -256,9 +291,15 @@ void MakeHalfSpaceTests(const PlaneLayout& planes, const float* half_spaces,
         AddToBox(normal, offset, planes.dims, tests)) {
       tests.box_dims = planes.dims;
     } else {
+      HalfSpaceTest& test = tests.test[tests.count++];
+      const bool is_set =
+          planes.has_max &&
+          (planes.dims == 2 ? TrySetTest<2>(planes, normal, offset, test)
+                            : TrySetTest<3>(planes, normal, offset, test));
       // Constructed in place, because a copy would wait for the stores.
-      new (&tests.test[tests.count++])
-          HalfSpaceTest(MakeHalfSpaceTest(planes, normal, offset));
+      if (!is_set) {
+        new (&test) HalfSpaceTest(MakeHalfSpaceTest(planes, normal, offset));
+      }
     }
   }
 }

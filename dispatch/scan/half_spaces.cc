@@ -27,29 +27,50 @@ void MakeHalfSpaceQuery(const PlaneLayout& layout, const ShapeScan& shape,
   query.is_shared = !layout.has_max;
   query.terms = layout.has_max ? layout.dims : layout.plane_count;
   query.front_count = 0;
+  query.is_paired = false;
+  // Two tests with opposite signs read all planes of a box. By the maxima that
+  // a test reads: the place of such a test in the list, and 1.
+  std::uint8_t place_of[8] = {};
+  const std::size_t all_maxima = (std::size_t{1} << layout.dims) - 1;
   for (std::size_t f = 0; f < tests.count; ++f) {
     const HalfSpaceTest& test = tests.test[f];
     if (test.terms == 0) {
       query.rejects_all |= test.offset < 0;
       continue;
     }
-    query.front[query.front_count++] = static_cast<std::uint8_t>(f);
+    const std::uint8_t place = query.front_count++;
+    query.front[place] = static_cast<std::uint8_t>(f);
+    if (query.is_paired || !layout.has_max || test.terms != layout.dims) {
+      continue;
+    }
+    std::size_t maxima = 0;
+    for (std::size_t k = 0; k < layout.dims; ++k) {
+      maxima |= std::size_t{test.term[k].more > 0} << k;
+    }
+    place_of[maxima] = place + 1;
+    if (place_of[all_maxima - maxima] == 0) continue;
+    std::swap(query.front[0], query.front[place_of[all_maxima - maxima] - 1]);
+    std::swap(query.front[1], query.front[place]);
+    query.is_paired = true;
   }
-  // Also for NaN. Of a sphere that touches the box the center is anywhere.
-  query.slack = std::numeric_limits<float>::infinity();
   query.near_dims = 0;
   const bool is_near = shape.low != nullptr;
+  query.has_size = false;
   if (!is_near && tests.box_dims == 0) return;
-  float most = 0;
+  query.size = 0;
   for (std::size_t k = 0; k < layout.dims; ++k) {
     const float low = is_near ? shape.low[k] : tests.low[k];
     const float high = is_near ? shape.high[k] : tests.high[k];
     query.box[k] = low;
     query.box[layout.dims + k] = high;
-    most = std::max({most, std::abs(low), std::abs(high)});
+    query.size = std::max({query.size, std::abs(low), std::abs(high)});
   }
+  // Of a sphere that touches the box the center is anywhere.
   if (layout.kind != PlaneLayout::kSphere) {
-    query.slack = kSumSlack * most + 0x1p-110f;
+    for (std::size_t f = 0; f < tests.count; ++f) {
+      query.size = std::max(query.size, -tests.test[f].offset);
+    }
+    query.has_size = query.size < std::numeric_limits<float>::infinity();
     return;
   }
   query.near_dims = layout.dims;

@@ -10,7 +10,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -126,49 +125,44 @@ struct FrontTest {
   float offset;
 };
 
-// Lowers each of `least`, of objects i, i + lanes, ..., to the sum of its
-// vector. Sums are compared as integers, because few cores compare and multiply
-// floats at the same time. Of several negative sums the nearest to 0 is the
-// least. A NaN is the least only beside sums of the other sign, or other NaNs.
-template <size_t... kVector, size_t... kTerm, class D, class... V>
-HWY_INLINE void AddSums(std::index_sequence<kVector...>,
-                        std::index_sequence<kTerm...>, D d,
-                        const float* const* planes, const FrontTest& test,
-                        size_t i, V&... least) {
-  const hn::RebindToSigned<D> di;
-  const size_t lanes = hn::Lanes(d);
-  const float* const from[] = {planes[kTerm] + i...};
-  const auto sum_of = [&](size_t vector, auto... factor) HWY_ATTR {
-    auto sum = hn::Set(d, test.offset);
-    ((sum =
-          hn::MulAdd(hn::LoadU(d, from[kTerm] + vector * lanes), factor, sum)),
-     ...);
-    return hn::BitCast(di, sum);
-  };
-  ((least = hn::Min(least, sum_of(kVector, hn::Set(d, test.factor[kTerm])...))),
-   ...);
+// The greater magnitude. The bits of a greater float are a greater integer, and
+// of a NaN the greatest.
+template <class VI, class V>
+HWY_INLINE VI GreaterSize(VI most, V value) {
+  return hn::Max(most, hn::BitCast(hn::DFromV<VI>(), hn::Abs(value)));
 }
 
-// How near to 0 the sums of a vector can be without a verdict. Of a NaN it is
-// NaN.
+// Lowers `least` to the sums of a vector, and with kMeasures raises `most` to
+// the magnitudes that it reads. Sums are compared as integers, because few
+// cores compare and multiply floats at the same time. Of several negative sums
+// the nearest to 0 is the least. A NaN is the least only beside sums of the
+// other sign, or other NaNs.
+template <bool kMeasures, size_t... kTerm, class D, class VI>
+HWY_INLINE void AddSum(std::index_sequence<kTerm...>, D d,
+                       const float* const* planes, const FrontTest& test,
+                       size_t i, VI& least, VI& most) {
+  auto sum = hn::Set(d, test.offset);
+  const auto add = [&](const float* plane, float factor) HWY_ATTR {
+    const auto value = hn::LoadU(d, plane + i);
+    if constexpr (kMeasures) most = GreaterSize(most, value);
+    sum = hn::MulAdd(value, hn::Set(d, factor), sum);
+  };
+  (add(planes[kTerm], test.factor[kTerm]), ...);
+  least = hn::Min(least, hn::BitCast(hn::RebindToSigned<D>(), sum));
+}
+
+// The greatest magnitudes that the sums of a vector read.
 template <size_t kTerms, bool kIsShared, class D>
-HWY_INLINE hn::Vec<D> SlackOf(D d, const float* const* planes,
-                              const detail::HalfSpaceQuery& query, size_t i) {
-  if (query.slack < std::numeric_limits<float>::infinity()) {
-    return hn::Set(d, query.slack);
-  }
-  // The bits of a greater float are a greater integer, and of a NaN the
-  // greatest.
-  const hn::RebindToSigned<D> di;
-  auto most = hn::Zero(di);
+HWY_INLINE hn::Vec<hn::RebindToSigned<D>> SizeOf(
+    D d, const float* const* planes, const detail::HalfSpaceQuery& query,
+    size_t i) {
+  auto most = hn::Zero(hn::RebindToSigned<D>());
   HALFSPACE_UNROLL
   for (size_t t = 0; t < (kIsShared ? 1 : 2) * kTerms; ++t) {
     const size_t p = t < kTerms ? t : query.tests.max_plane + t - kTerms;
-    const auto size = hn::Abs(hn::LoadU(d, planes[p] + i));
-    most = hn::Max(most, hn::BitCast(di, size));
+    most = GreaterSize(most, hn::LoadU(d, planes[p] + i));
   }
-  return hn::MulAdd(hn::BitCast(d, most), hn::Set(d, detail::kSumSlack),
-                    hn::Set(d, 0x1p-110f));
+  return most;
 }
 
 // Bits of the lanes in which all of `sums` are negative.
@@ -178,59 +172,83 @@ HWY_INLINE uint64_t AllNegative(D d, V sums, Vs... more) {
   return LaneBits(d, hn::Lt(sums, hn::Zero(d)));
 }
 
-// Whether each sum is so far from 0 that its sign is the verdict. An infinite
-// one is not, because another sum of the object may have been a NaN, which is
-// the least only on some machines.
-template <class D>
-HWY_INLINE hn::Mask<D> IsCertain(D d, hn::Vec<hn::RebindToSigned<D>> sum,
-                                 hn::Vec<D> slack) {
+// Whether each sum is so far from 0 that its sign is the verdict; of a NaN it
+// is not. An infinite one is not either, because another sum of the object may
+// have been a NaN, which is the least only on some machines.
+template <class D, class VI>
+HWY_INLINE hn::Mask<D> IsCertain(D d, VI sum, VI most) {
+  const auto slack =
+      hn::MulAdd(hn::BitCast(d, most), hn::Set(d, detail::kSumSlack),
+                 hn::Set(d, detail::kLeastSlack));
   return hn::Gt(hn::Abs(hn::BitCast(d, sum)), slack);
 }
 
+template <size_t, class T>
+struct EachOf {
+  using Type = T;
+};
+
 // The objects of several vectors that are behind a half-space. `unknown` are
 // those that HalfSpaceWord() has to decide about.
-template <size_t kTerms, bool kIsShared, size_t... kVector, class D, class... V>
-HWY_INLINE uint64_t BehindBits(std::index_sequence<kVector...> vectors, D d,
+template <size_t kTerms, bool kIsShared, class VI, size_t... kVector, class D>
+HWY_INLINE uint64_t BehindBits(std::index_sequence<kVector...>, D d,
                                const float* const* planes,
                                const FrontTest* tests,
                                const detail::HalfSpaceQuery& query, size_t i,
-                               size_t* exits, uint64_t& unknown, V... least) {
+                               size_t* exits, uint64_t& unknown,
+                               typename EachOf<kVector, VI>::Type... least,
+                               typename EachOf<kVector, VI>::Type... most) {
   const hn::RebindToSigned<D> di;
+  constexpr std::make_index_sequence<kTerms> kNumbers;
   const size_t lanes = hn::Lanes(d);
   const size_t count = query.front_count;
   const uint64_t of_vector = ~uint64_t{0} >> (kWordObjects - lanes);
-  bool is_certain = false;
-  const auto check = [&]() HWY_ATTR {
-    auto certain = hn::FirstN(d, lanes);
-    ((certain = hn::And(
-          certain, IsCertain(d, least,
-                             SlackOf<kTerms, kIsShared>(d, planes, query,
-                                                        i + kVector * lanes)))),
+  // Planes that all sums share are measured after them, while registers hold
+  // them. Without fused operations the sums leave no registers for it.
+  constexpr bool kMeasuresLast = kIsShared || !HWY_NATIVE_FMA;
+  size_t f = 0;
+  if (query.has_size) {
+    ((most = hn::BitCast(di, hn::Set(d, query.size))), ...);
+  } else if (!kMeasuresLast && query.is_paired) {
+    for (; f < 2; ++f) {
+      (AddSum<true>(kNumbers, d, tests[f].plane, tests[f], i + kVector * lanes,
+                    least, most),
+       ...);
+    }
+  } else if (!kMeasuresLast) {
+    ((most = SizeOf<kTerms, false>(d, planes, query, i + kVector * lanes)),
      ...);
-    return hn::AllTrue(d, certain);
+  }
+  const auto certain = [&](size_t vector, VI sum, VI size) HWY_ATTR {
+    if (kMeasuresLast && !query.has_size) {
+      size = SizeOf<kTerms, kIsShared>(d, planes, query, i + vector * lanes);
+    }
+    return IsCertain(d, sum, size);
   };
-  for (size_t f = 0; f < count; ++f) {
-    AddSums(vectors, std::make_index_sequence<kTerms>(), d,
-            tests[kIsShared ? 0 : f].plane, tests[f], i, least...);
-    const bool is_last = f + 1 == count;
-    if (!is_last && (exits == nullptr || f != count / 2 ||
-                     AllNegative(di, least...) != of_vector)) {
+  const auto check = [&]() HWY_ATTR {
+    auto all = hn::FirstN(d, lanes);
+    ((all = hn::And(all, certain(kVector, least, most))), ...);
+    return hn::AllTrue(d, all);
+  };
+  bool is_certain = false;
+  for (; f < count; ++f) {
+    (AddSum<false>(kNumbers, d, tests[kIsShared ? 0 : f].plane, tests[f],
+                   i + kVector * lanes, least, most),
+     ...);
+    if (exits == nullptr || f != count / 2 || f + 1 == count ||
+        AllNegative(di, least...) != of_vector) {
       continue;
     }
     is_certain = check();
-    if (is_certain && !is_last) {
-      *exits += sizeof...(V) * lanes;
+    if (is_certain) {
+      *exits += sizeof...(kVector) * lanes;
       break;
     }
   }
   unknown = 0;
-  if (HWY_UNLIKELY(!is_certain)) {
-    ((unknown |=
-      (~LaneBits(d, IsCertain(d, least,
-                              SlackOf<kTerms, kIsShared>(
-                                  d, planes, query, i + kVector * lanes))) &
-       of_vector)
-      << (kVector * lanes)),
+  if (HWY_UNLIKELY(!is_certain && !check())) {
+    ((unknown |= (~LaneBits(d, certain(kVector, least, most)) & of_vector)
+                 << (kVector * lanes)),
      ...);
   }
   return (... |
@@ -246,7 +264,9 @@ HWY_INLINE uint64_t FrontWord(const float* const* planes,
                               size_t* exits) {
   const WordTag<float> d;
   const hn::RebindToSigned<decltype(d)> di;
-  const auto most = hn::Set(di, 0x7fffffff);
+  using VI = hn::Vec<decltype(di)>;
+  const VI least = hn::Set(di, 0x7fffffff);
+  const VI zero = hn::Zero(di);
 #if HWY_HAVE_SCALABLE
   constexpr size_t kVectors = 1;
 #else
@@ -260,15 +280,16 @@ HWY_INLINE uint64_t FrontWord(const float* const* planes,
     uint64_t bits;
     uint64_t some;
     if constexpr (kVectors == 1) {
-      bits = BehindBits<kTerms, kIsShared>(kNumbers, d, planes, tests, query,
-                                           i + l, exits, some, most);
+      bits = BehindBits<kTerms, kIsShared, VI>(
+          kNumbers, d, planes, tests, query, i + l, exits, some, least, zero);
     } else if constexpr (kVectors == 2) {
-      bits = BehindBits<kTerms, kIsShared>(kNumbers, d, planes, tests, query,
-                                           i + l, exits, some, most, most);
+      bits = BehindBits<kTerms, kIsShared, VI>(kNumbers, d, planes, tests,
+                                               query, i + l, exits, some, least,
+                                               least, zero, zero);
     } else {
-      bits = BehindBits<kTerms, kIsShared>(kNumbers, d, planes, tests, query,
-                                           i + l, exits, some, most, most, most,
-                                           most);
+      bits = BehindBits<kTerms, kIsShared, VI>(
+          kNumbers, d, planes, tests, query, i + l, exits, some, least, least,
+          least, least, zero, zero, zero, zero);
     }
     behind |= bits << l;
     unknown |= some << l;

@@ -11,8 +11,10 @@
 namespace halfspace::detail {
 
 // A sum with one product a term has the sign of HalfSpaceSum(), unless it is
-// nearer to 0 than this times the greatest number that it reads (docs/bvh.md).
+// nearer to 0 than this times the greatest number that it reads, or than
+// kLeastSlack (docs/bvh.md).
 inline constexpr float kSumSlack = 0x1p-17f;
+inline constexpr float kLeastSlack = 0x1p-110f;
 
 struct HalfSpaceQuery {
   HalfSpaceTests tests;
@@ -26,9 +28,12 @@ struct HalfSpaceQuery {
   std::uint8_t near_dims;
   std::uint32_t radius_plane;  // of spheres; else a number of no plane
   float radius;
-  // The distance of kSumSlack for bounds that touch the box. Infinity if it
-  // depends on the bounds.
-  float slack;
+  // The greatest number of the box and of the negative offsets, if bounds that
+  // touch the box need no other.
+  float size;
+  bool has_size;
+  // The first two tests read all planes.
+  bool is_paired;
   // Numbers of the tests that can reject.
   std::uint8_t front[kMostHalfSpaces];
   std::uint8_t front_count;

@@ -196,10 +196,25 @@ void ExpectKeeps(std::uint64_t seed) {
           planes[p + layout.axes] = planes[p] + random.WithExponent(-6, 1);
         }
       }
+      // Wide bounds, whose minima or maxima alone have great numbers.
+      const bool is_wide = layout.has_max && random.Below(3) == 0;
+      if (is_wide) {
+        const float down = std::abs(random.WithExponent(-4, 16));
+        const float up = std::abs(random.WithExponent(-4, 16));
+        for (std::size_t p = 0; p < layout.axes; ++p) {
+          planes[p] = -std::abs(planes[p]) * down;
+          planes[p + layout.axes] = std::abs(planes[p + layout.axes]) * up;
+        }
+      }
       if (random.Below(2) != 0 && !list.empty()) {
+        const Planes before = planes;
         MoveToFace<kDims>(
             list[random.Below(static_cast<std::uint32_t>(list.size()))], layout,
             random, planes);
+        // Targets may differ about a minimum above its maximum.
+        for (std::size_t k = 0; is_wide && k < kDims; ++k) {
+          if (planes[k] > planes[k + layout.axes]) planes = before;
+        }
       }
       if (random.Below(20) == 0) {
         planes[random.Below(layout.plane_count)] = random.Special();
