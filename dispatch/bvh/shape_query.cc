@@ -138,33 +138,45 @@ void MakeLine(const PlaneLayout& planes, const double* low, const double* high,
 
 namespace {
 
-// Makes the test of TestOf<kDims, true>(), in a third of the time. Returns
-// false if a number is 0, tiny, huge or NaN.
-template <std::size_t kDims>
+// Makes the test of TestOf() for boxes or spheres, in a third of the time.
+// Returns false if a number is 0, tiny, huge or NaN.
+template <std::size_t kDims, bool kIsSphere>
 bool TrySetTest(const PlaneLayout& planes, const float* normal, float offset,
                 HalfSpaceTest& test) {
   bool is_usual = std::abs(offset) <= 0x1p60f;
   float largest = 0;
+  double squared = 0;
   for (std::size_t k = 0; k < kDims; ++k) {
     const float size = std::abs(normal[k]);
     is_usual &= size >= 0x1p-40f;
     is_usual &= size <= 0x1p40f;
     largest = std::max(largest, size);
+    squared += double{size} * size;
   }
   if (!is_usual) return false;
-  constexpr std::uint32_t kOne = 127;  // the exponent of 1
-  const auto scale = kernels::BitCast<float>(
-      (kOne - 4 - (kernels::BitCast<std::uint32_t>(largest) >> 23) + kOne)
-      << 23);
-  test.terms = kDims;
-  test.offset = OutwardOffset(double{offset} * scale);
+  // A sphere reaches as far as its radius times the length of the normal.
+  const double length =
+      kIsSphere ? std::sqrt(squared) * (1 + 0x1p-50) : double{largest};
+  constexpr std::uint64_t kOne = 1023;  // the exponent of 1
+  const auto scale = kernels::BitCast<double>(
+      (kOne - 4 - (kernels::BitCast<std::uint64_t>(length) >> 52) + kOne)
+      << 52);
+  test.terms = kDims + (kIsSphere ? 1 : 0);
+  test.offset = OutwardOffset(offset * scale);
   for (std::size_t k = 0; k < kDims; ++k) {
-    const float factor = normal[k] * scale;
+    const float factor = normal[k] * static_cast<float>(scale);
     // No branch on the sign, because it would be mispredicted.
     const auto min = static_cast<std::uint32_t>(k);
-    const std::uint32_t up = planes.axes * std::uint32_t{factor > 0};
-    test.term[k] = {min + up, min + planes.axes - up, factor * (1 + 0x1p-19f),
+    const std::uint32_t axes = kIsSphere ? 0 : planes.axes;
+    const std::uint32_t up = axes * std::uint32_t{factor > 0};
+    test.term[k] = {min + up, min + axes - up, factor * (1 + 0x1p-19f),
                     factor * (1 - 0x1p-19f)};
+  }
+  if constexpr (kIsSphere) {
+    const double factor = length * scale;
+    test.term[kDims] = {kDims, kDims,
+                        static_cast<float>(factor * (1 + 0x1p-19)),
+                        static_cast<float>(factor * (1 - 0x1p-19))};
   }
   return true;
 }
@@ -277,6 +289,7 @@ bool AddToBox(const float* normal, float offset, std::size_t dims,
 void MakeHalfSpaceTests(const PlaneLayout& planes, const float* half_spaces,
                         std::size_t count, HalfSpaceTests& tests) {
   constexpr float kInf = std::numeric_limits<float>::infinity();
+  const bool is_sphere = planes.kind == PlaneLayout::kSphere;
   tests.box_dims = 0;
   tests.max_plane = planes.first_max;
   tests.count = 0;
@@ -287,15 +300,20 @@ void MakeHalfSpaceTests(const PlaneLayout& planes, const float* half_spaces,
   for (std::size_t f = 0; f < count; ++f) {
     const float* const normal = half_spaces + f * (planes.dims + 1u);
     const float offset = normal[planes.dims];
-    if ((planes.has_max || planes.kind == PlaneLayout::kSphere) &&
+    if ((planes.has_max || is_sphere) &&
         AddToBox(normal, offset, planes.dims, tests)) {
       tests.box_dims = planes.dims;
     } else {
       HalfSpaceTest& test = tests.test[tests.count++];
       const bool is_set =
-          planes.has_max &&
-          (planes.dims == 2 ? TrySetTest<2>(planes, normal, offset, test)
-                            : TrySetTest<3>(planes, normal, offset, test));
+          is_sphere
+              ? (planes.dims == 2
+                     ? TrySetTest<2, true>
+                     : TrySetTest<3, true>)(planes, normal, offset, test)
+              : planes.has_max &&
+                    (planes.dims == 2
+                         ? TrySetTest<2, false>
+                         : TrySetTest<3, false>)(planes, normal, offset, test);
       // Constructed in place, because a copy would wait for the stores.
       if (!is_set) {
         new (&test) HalfSpaceTest(MakeHalfSpaceTest(planes, normal, offset));

@@ -125,6 +125,9 @@ struct FrontTest {
   float offset;
 };
 
+// Tests of spheres are scaled so that this is the factor of the radius.
+inline constexpr float kRadiusFactor = 0x1p-3f;
+
 // The greater magnitude. The bits of a greater float are a greater integer, and
 // of a NaN the greatest.
 template <class VI, class V>
@@ -137,11 +140,17 @@ HWY_INLINE VI GreaterSize(VI most, V value) {
 // cores compare and multiply floats at the same time. Of several negative sums
 // the nearest to 0 is the least. A NaN is the least only beside sums of the
 // other sign, or other NaNs.
-template <bool kMeasures, size_t... kTerm, class D, class VI>
+template <bool kMeasures, bool kIsSphere, size_t... kTerm, class D, class VI>
 HWY_INLINE void AddSum(std::index_sequence<kTerm...>, D d,
                        const float* const* planes, const FrontTest& test,
                        size_t i, VI& least, VI& most) {
   auto sum = hn::Set(d, test.offset);
+  if constexpr (kIsSphere) {
+    // All tests have this product, so the compiler makes it once.
+    sum = hn::Add(hn::Mul(hn::LoadU(d, planes[sizeof...(kTerm)] + i),
+                          hn::Set(d, kRadiusFactor)),
+                  sum);
+  }
   const auto add = [&](const float* plane, float factor) HWY_ATTR {
     const auto value = hn::LoadU(d, plane + i);
     if constexpr (kMeasures) most = GreaterSize(most, value);
@@ -190,7 +199,8 @@ struct EachOf {
 
 // The objects of several vectors that are behind a half-space. `unknown` are
 // those that HalfSpaceWord() has to decide about.
-template <size_t kTerms, bool kIsShared, class VI, size_t... kVector, class D>
+template <size_t kTerms, bool kIsShared, bool kIsSphere, class VI,
+          size_t... kVector, class D>
 HWY_INLINE uint64_t BehindBits(std::index_sequence<kVector...>, D d,
                                const float* const* planes,
                                const FrontTest* tests,
@@ -199,7 +209,7 @@ HWY_INLINE uint64_t BehindBits(std::index_sequence<kVector...>, D d,
                                typename EachOf<kVector, VI>::Type... least,
                                typename EachOf<kVector, VI>::Type... most) {
   const hn::RebindToSigned<D> di;
-  constexpr std::make_index_sequence<kTerms> kNumbers;
+  constexpr std::make_index_sequence<kTerms - (kIsSphere ? 1 : 0)> kNumbers;
   const size_t lanes = hn::Lanes(d);
   const size_t count = query.front_count;
   const uint64_t of_vector = ~uint64_t{0} >> (kWordObjects - lanes);
@@ -211,8 +221,8 @@ HWY_INLINE uint64_t BehindBits(std::index_sequence<kVector...>, D d,
     ((most = hn::BitCast(di, hn::Set(d, query.size))), ...);
   } else if (!kMeasuresLast && query.is_paired) {
     for (; f < 2; ++f) {
-      (AddSum<true>(kNumbers, d, tests[f].plane, tests[f], i + kVector * lanes,
-                    least, most),
+      (AddSum<true, false>(kNumbers, d, tests[f].plane, tests[f],
+                           i + kVector * lanes, least, most),
        ...);
     }
   } else if (!kMeasuresLast) {
@@ -232,8 +242,8 @@ HWY_INLINE uint64_t BehindBits(std::index_sequence<kVector...>, D d,
   };
   bool is_certain = false;
   for (; f < count; ++f) {
-    (AddSum<false>(kNumbers, d, tests[kIsShared ? 0 : f].plane, tests[f],
-                   i + kVector * lanes, least, most),
+    (AddSum<false, kIsSphere>(kNumbers, d, tests[kIsShared ? 0 : f].plane,
+                              tests[f], i + kVector * lanes, least, most),
      ...);
     if (exits == nullptr || f != count / 2 || f + 1 == count ||
         AllNegative(di, least...) != of_vector) {
@@ -257,7 +267,7 @@ HWY_INLINE uint64_t BehindBits(std::index_sequence<kVector...>, D d,
 
 // As many vectors are tested together as registers hold: each factor is read
 // once for them, and each plane, if all tests read the same.
-template <size_t kTerms, bool kIsShared>
+template <size_t kTerms, bool kIsShared, bool kIsSphere>
 HWY_INLINE uint64_t FrontWord(const float* const* planes,
                               const FrontTest* tests,
                               const detail::HalfSpaceQuery& query, size_t i,
@@ -280,14 +290,14 @@ HWY_INLINE uint64_t FrontWord(const float* const* planes,
     uint64_t bits;
     uint64_t some;
     if constexpr (kVectors == 1) {
-      bits = BehindBits<kTerms, kIsShared, VI>(
+      bits = BehindBits<kTerms, kIsShared, kIsSphere, VI>(
           kNumbers, d, planes, tests, query, i + l, exits, some, least, zero);
     } else if constexpr (kVectors == 2) {
-      bits = BehindBits<kTerms, kIsShared, VI>(kNumbers, d, planes, tests,
-                                               query, i + l, exits, some, least,
-                                               least, zero, zero);
+      bits = BehindBits<kTerms, kIsShared, kIsSphere, VI>(
+          kNumbers, d, planes, tests, query, i + l, exits, some, least, least,
+          zero, zero);
     } else {
-      bits = BehindBits<kTerms, kIsShared, VI>(
+      bits = BehindBits<kTerms, kIsShared, kIsSphere, VI>(
           kNumbers, d, planes, tests, query, i + l, exits, some, least, least,
           least, least, zero, zero, zero, zero);
     }
@@ -336,14 +346,16 @@ HWY_INLINE uint64_t NearWord(const float* const* planes,
 
 // Writes the survivors of objects begin ... begin + count - 1, at least 64. The
 // words that miss the box are tested no further.
-template <size_t kTerms, bool kIsShared>
+template <size_t kTerms, bool kIsShared, bool kIsSphere>
 HWY_NOINLINE void FrontWords(const float* const* planes,
                              const detail::HalfSpaceQuery& query, size_t begin,
                              size_t count, uint64_t* words) {
   FrontTest tests[detail::kMostHalfSpaces];
   for (size_t f = 0; f < query.front_count; ++f) {
     const detail::HalfSpaceTest& test = query.tests.test[query.front[f]];
-    tests[f].offset = test.offset;
+    const float scale =
+        kIsSphere ? kRadiusFactor / test.term[test.terms - 1].more : 1;
+    tests[f].offset = test.offset * scale;
     for (size_t t = 0; t < kTerms; ++t) {
       tests[f].plane[t] = planes[kIsShared ? t : test.term[0].plane];
       tests[f].factor[t] = 0;
@@ -352,7 +364,7 @@ HWY_NOINLINE void FrontWords(const float* const* planes,
       const detail::HalfSpaceTest::Term& term = test.term[t];
       const size_t to = kIsShared ? term.plane : t;
       tests[f].plane[to] = planes[term.plane];
-      tests[f].factor[to] = term.more;
+      tests[f].factor[to] = term.more * scale;
     }
   }
   // The number of objects of the last eight words that were all rejected
@@ -373,7 +385,8 @@ HWY_NOINLINE void FrontWords(const float* const* planes,
     const size_t i = begin + end - kWordObjects - past;
     uint64_t word = NearWord(planes, query, i);
     if (word != 0 && query.front_count != 0) {
-      word &= FrontWord<kTerms, kIsShared>(planes, tests, query, i, counted);
+      word &= FrontWord<kTerms, kIsShared, kIsSphere>(planes, tests, query, i,
+                                                      counted);
     }
     words[w] = word >> past;
   }
@@ -400,14 +413,18 @@ void HalfSpaceMask(const void* pointers, size_t begin, size_t count,
     for (size_t w = 0; w * kWordObjects < count; ++w) words[w] = 0;
   } else if (count < kWordObjects) {
     if (count != 0) *words = HalfSpaceWord(planes, query, begin, count);
+  } else if (query.radius_plane == 3) {
+    FrontWords<4, true, true>(planes, query, begin, count, words);
+  } else if (query.radius_plane == 2) {
+    FrontWords<3, true, true>(planes, query, begin, count, words);
   } else if (query.is_shared) {
     (query.terms == 3
-         ? FrontWords<3, true>
-         : FrontWords<4, true>)(planes, query, begin, count, words);
+         ? FrontWords<3, true, false>
+         : FrontWords<4, true, false>)(planes, query, begin, count, words);
   } else {
     (query.terms == 2
-         ? FrontWords<2, false>
-         : FrontWords<3, false>)(planes, query, begin, count, words);
+         ? FrontWords<2, false, false>
+         : FrontWords<3, false, false>)(planes, query, begin, count, words);
   }
 }
 
