@@ -73,7 +73,6 @@ enum class Inverted : std::uint8_t {
 
 // Options of the builders of many bounds.
 struct FitOptions {
-  bool tightest = false;  // makes D the tightest float, not only within 1 ulp
   Inverted inverted = Inverted::kEverything;
   Target target = {};  // by default, the chosen one (targets.h)
 };
