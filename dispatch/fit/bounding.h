@@ -61,7 +61,7 @@ OutwardSum DOf(const Coords& point) {
 
 // The running minimum and maximum of one projection. Numbers that double holds
 // exactly are compared as they are and rounded once at the end.
-class Range {
+class AxisRange {
  public:
   void Add(double exact) {
     min_ = std::min(min_, exact);
@@ -82,7 +82,7 @@ class Range {
 
 // One range per axis; D, the last, like the others.
 template <int kDims>
-class Ranges {
+class AxisRanges {
  public:
   static constexpr std::size_t kAxes = kDims + 1;
 
@@ -107,7 +107,7 @@ class Ranges {
   }
 
  private:
-  std::array<Range, kAxes> ranges_;
+  std::array<AxisRange, kAxes> ranges_;
 };
 
 // Not inlined, because the code that makes the text is long.

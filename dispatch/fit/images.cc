@@ -14,15 +14,15 @@
 namespace halfspace {
 namespace {
 
+using dispatch::AxisRanges;
 using dispatch::MagnitudeGuard;
 using dispatch::OutwardSum;
 using dispatch::PointAt;
-using dispatch::Ranges;
 
 // Adds the image of a point, unrounded. False if it cannot be bounded.
 template <int kDims, typename Scalar>
 bool AddImage(const Point<kDims, Scalar>& point,
-              const Affine<kDims, Scalar>& map, Ranges<kDims>& ranges) {
+              const Affine<kDims, Scalar>& map, AxisRanges<kDims>& ranges) {
   MagnitudeGuard<double> guard;
   OutwardSum d;
   for (std::size_t k = 0; k < kDims; ++k) {
@@ -42,7 +42,7 @@ bool AddImage(const Point<kDims, Scalar>& point,
 template <int kDims, typename Scalar, typename AtIndex>
 std::optional<Aabo<kDims>> TryPoints(std::size_t count, const AtIndex& at,
                                      const Affine<kDims, Scalar>& map) {
-  Ranges<kDims> ranges;
+  AxisRanges<kDims> ranges;
   for (std::size_t i = 0; i < count; ++i) {
     if (!AddImage<kDims, Scalar>(at(i), map, ranges)) return std::nullopt;
   }

@@ -15,11 +15,11 @@
 namespace halfspace {
 namespace {
 
+using dispatch::AxisRanges;
 using dispatch::CanBeBounded;
 using dispatch::Finish;
 using dispatch::MagnitudeGuard;
 using dispatch::OutwardSum;
-using dispatch::Ranges;
 
 template <int kDims, typename Scalar>
 std::optional<Aabo<kDims>> TryRay(const Ray<kDims, Scalar>& ray) {
@@ -30,7 +30,7 @@ std::optional<Aabo<kDims>> TryRay(const Ray<kDims, Scalar>& ray) {
     guard.Add(double{ray.max_t} * double{ray.direction[k]});
   }
   if (!guard.CanBeBounded()) return std::nullopt;
-  Ranges<kDims> ranges;
+  AxisRanges<kDims> ranges;
   ranges.AddPoint(ray.origin);
   OutwardSum d;
   for (std::size_t k = 0; k < kDims; ++k) {
@@ -51,7 +51,7 @@ template <int kDims, typename Scalar>
 Aabo<kDims> BoundPointAlong(const Segment<kDims, Scalar>& segment,
                             std::size_t i, std::size_t n) {
   const auto divisor = static_cast<double>(n);
-  Ranges<kDims> ranges;
+  AxisRanges<kDims> ranges;
   OutwardSum d;
   for (std::size_t k = 0; k < kDims; ++k) {
     OutwardSum sum;

@@ -14,10 +14,10 @@
 namespace halfspace {
 namespace {
 
+using dispatch::AxisRanges;
 using dispatch::Build;
 using dispatch::CanBeBounded;
 using dispatch::PointAt;
-using dispatch::Ranges;
 using dispatch::ThrowInvalid;
 
 // The arithmetic, for checked arguments and in the default mode: the hull of
@@ -25,7 +25,7 @@ using dispatch::ThrowInvalid;
 // bounded.
 template <int kDims, typename AtIndex>
 std::optional<Aabo<kDims>> TryHull(std::size_t count, const AtIndex& at) {
-  Ranges<kDims> ranges;
+  AxisRanges<kDims> ranges;
   for (std::size_t i = 0; i < count; ++i) {
     const auto point = at(i);
     if (!CanBeBounded(point)) return std::nullopt;
@@ -37,7 +37,7 @@ std::optional<Aabo<kDims>> TryHull(std::size_t count, const AtIndex& at) {
 // The hull of a few points. With TryHull(), a triangle takes 1.16 of the time.
 template <int kDims, typename... Corners>
 std::optional<Aabo<kDims>> TryCorners(const Corners&... corners) {
-  Ranges<kDims> ranges;
+  AxisRanges<kDims> ranges;
   const auto add = [&](const auto& corner) {
     if (!CanBeBounded(corner)) return false;
     ranges.AddPoint(corner);

@@ -13,10 +13,10 @@
 namespace halfspace {
 namespace {
 
+using dispatch::AxisRanges;
 using dispatch::CanBeBounded;
 using dispatch::MagnitudeGuard;
 using dispatch::OutwardSum;
-using dispatch::Ranges;
 
 template <int kDims, typename Scalar>
 std::optional<Aabo<kDims>> TryAabb(const Aabb<kDims, Scalar>& box) {
@@ -24,7 +24,7 @@ std::optional<Aabo<kDims>> TryAabb(const Aabb<kDims, Scalar>& box) {
   dispatch::CheckOrder("BoundAabb", box.min, box.max);
   if (!CanBeBounded(box.min) || !CanBeBounded(box.max)) return std::nullopt;
   // D falls as the coordinates rise: its extremes are at the two corners.
-  Ranges<kDims> ranges;
+  AxisRanges<kDims> ranges;
   ranges.AddPoint(box.min);
   ranges.AddPoint(box.max);
   return ranges.Bound();
@@ -32,7 +32,7 @@ std::optional<Aabo<kDims>> TryAabb(const Aabb<kDims, Scalar>& box) {
 
 template <int kDims, typename Scalar>
 void AddSphere(const Point<kDims, Scalar>& center, double radius,
-               Ranges<kDims>& ranges) {
+               AxisRanges<kDims>& ranges) {
   const OutwardSum d = dispatch::DOf(center);
   for (const double side : {-radius, radius}) {
     for (std::size_t k = 0; k < kDims; ++k) {
@@ -49,7 +49,7 @@ void AddSphere(const Point<kDims, Scalar>& center, double radius,
 template <int kDims, typename Scalar, std::size_t kCount>
 std::optional<Aabo<kDims>> TrySpheres(
     const std::array<Point<kDims, Scalar>, kCount>& centers, Scalar radius) {
-  Ranges<kDims> ranges;
+  AxisRanges<kDims> ranges;
   for (const auto& center : centers) {
     MagnitudeGuard<Scalar> guard;
     guard.AddAll(center);
