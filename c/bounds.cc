@@ -13,7 +13,7 @@
 namespace halfspace::c {
 namespace {
 
-constexpr hs_bound_options kBoundDefaults = {sizeof(hs_bound_options), 0, 0,
+constexpr hs_bound_options kBoundDefaults = {sizeof(hs_bound_options), 0,
                                              nullptr};
 
 // What is bounded at a time: its planes stay in the cache.
@@ -59,7 +59,6 @@ class Bounder {
         everything_(everything) {
     const hs_bound_options read =
         ReadOptions(call, "options", options, kBoundDefaults);
-    options_.tightest = read.tightest != 0;
     options_.inverted =
         read.empty_if_inverted != 0 ? Inverted::kEmpty : Inverted::kEverything;
     options_.target = ReadTarget(call, "options", read.target);

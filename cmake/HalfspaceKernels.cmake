@@ -97,9 +97,8 @@ foreach(source_name Boxes Spheres Triangles PointSets)
   endif()
   foreach(dims IN LISTS HALFSPACE_DIMS)
     set(inl "kernels/fit_many/${file_name}-inl.h")
-    set(fit "&Fit${source_name}<${dims}, Rounding::")
     halfspace_add_table("fit_${file_name}_${dims}"
-      "kFit${source_name}, ${dims}" "{${fit}kWithinUlp>, ${fit}kTightest>}"
+      "kFit${source_name}, ${dims}" "{&Fit${source_name}<${dims}>}"
       ${optimised})
   endforeach()
 endforeach()

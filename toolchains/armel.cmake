@@ -1,5 +1,5 @@
 # 32-bit ARM whose functions take floats in integer registers. Debian's own armel computes
-# them in software, which rounds some differences wrongly (dispatch/exact/outward.h).
+# them in software, which rounds some differences wrongly (dispatch/outward.h).
 set(triple arm-linux-gnueabi)
 set(processor arm)
 foreach(language C CXX)

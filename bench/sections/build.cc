@@ -159,21 +159,13 @@ void AddBuilds(Run& run, const WorkingSetSize& size, Table& table) {
                 Who::kLimit);
   }
   for (Target target : run.targets) {
-    for (bool tightest : {false, true}) {
-      // The tightest D of a triangle is that of its corners, and of a sphere it
-      // is computed for so long that the size of the set tells nothing more.
-      constexpr bool kIsBall = std::is_same_v<Shapes, Balls>;
-      constexpr bool kIsTriangle = std::is_same_v<Shapes, Triangles>;
-      const bool is_large = size.name == "memory";
-      if (tightest && (kIsTriangle || (kIsBall && is_large))) continue;
-      const FitOptions options{.tightest = tightest, .target = target};
-      Case c = CaseOfObjects(
-          objects, [&, options] { shapes.Build(options, built.planes()); });
-      c.check = [&, options] { return CheckBuild(shapes, options, built); };
-      contest.Add({Shapes::kName, "aabo", tightest ? "tightest" : "within-ulp",
-                   NameOf(target), size.name, objects},
-                  std::move(c));
-    }
+    const FitOptions options{.target = target};
+    Case c = CaseOfObjects(
+        objects, [&, options] { shapes.Build(options, built.planes()); });
+    c.check = [&, options] { return CheckBuild(shapes, options, built); };
+    contest.Add({Shapes::kName, "aabo", "within-ulp", NameOf(target), size.name,
+                 objects},
+                std::move(c));
   }
   contest.Time(ShareOf(run.effort));
   contest.AddTo(table, [&](std::size_t i) -> Row {

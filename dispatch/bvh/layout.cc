@@ -12,7 +12,7 @@
 #include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
-#include "dispatch/exact/outward.h"
+#include "dispatch/outward.h"
 #include "halfspace/mask.h"
 #include "kernels/compiler.h"
 
@@ -387,8 +387,7 @@ Rounded::Rounded(const PlaneLayout& layout, const MemoryResource& memory,
       const std::size_t i = element_of(s);
       if (i == kNoId) continue;
       for (std::size_t p = 0; p < planes; ++p) {
-        const dispatch::ExactSum value = {
-            objects.doubles(p)[i * objects.stride], 0.0};
+        const double value = objects.doubles(p)[i * objects.stride];
         floats[p * count + s] = p < layout.axes ? dispatch::RoundDown(value)
                                                 : dispatch::RoundUp(value);
       }

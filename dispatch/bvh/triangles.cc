@@ -10,7 +10,7 @@
 #include <span>
 
 #include "dispatch/default_fp_mode.h"
-#include "dispatch/exact/outward.h"
+#include "dispatch/outward.h"
 #include "halfspace/shapes.h"
 
 namespace halfspace {
@@ -54,6 +54,33 @@ Approximate Determinant(const Vector& a, const Vector& b, const Vector& c) {
   return {value, magnitude * 0x1p-49};
 }
 
+// An exact sum, as parts that do not overlap, in the order of their magnitude.
+template <std::size_t kMost>
+class Expansion {
+ public:
+  void Add(double value) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const auto [sum, error] = dispatch::TwoSum(value, parts_[i]);
+      if (error != 0.0) parts_[count++] = error;
+      value = sum;
+    }
+    if (value != 0.0) parts_[count++] = value;
+    count_ = count;
+  }
+  // Within 2^-52 of the exact sum, which has the same sign.
+  double Sum() const {
+    return std::accumulate(parts_.begin(),
+                           parts_.begin() + static_cast<std::ptrdiff_t>(count_),
+                           0.0);
+  }
+  std::span<const double> parts() const { return {parts_.data(), count_}; }
+
+ private:
+  std::array<double, kMost> parts_{};
+  std::size_t count_ = 0;
+};
+
 // A sum of kCount determinants of floats.
 template <std::size_t kCount>
 class Determinants {
@@ -66,19 +93,17 @@ class Determinants {
     }
     return *this;
   }
-  // Within 2^-52 of the exact sum, which has the same sign.
-  double Sum() const { return dispatch::SumExactly(terms_).value; }
+  double Sum() const { return sum_.Sum(); }
 
  private:
   // a and b are floats, whose product is exact in double.
   void AddProduct(double a, double b) {
     const double product = a * b;
-    terms_[count_++] = product;
-    terms_[count_++] = std::fma(a, b, -product);
+    sum_.Add(std::fma(a, b, -product));
+    sum_.Add(product);
   }
 
-  std::array<double, kCount * 12> terms_{};
-  std::size_t count_ = 0;
+  Expansion<kCount * 12> sum_;
 };
 
 // The determinant of the direction d, p - o and q - o.
@@ -119,33 +144,6 @@ struct CrossProduct {
 
   Vector value;
   Vector magnitude;
-};
-
-// An exact sum, as parts that do not overlap, in the order of their magnitude.
-template <std::size_t kMost>
-class Expansion {
- public:
-  void Add(double value) {
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < count_; ++i) {
-      const auto [sum, error] = dispatch::TwoSum(value, parts_[i]);
-      if (error != 0.0) parts_[count++] = error;
-      value = sum;
-    }
-    if (value != 0.0) parts_[count++] = value;
-    count_ = count;
-  }
-  // Within 2^-52 of the exact sum, which has the same sign.
-  double Sum() const {
-    return std::accumulate(parts_.begin(),
-                           parts_.begin() + static_cast<std::ptrdiff_t>(count_),
-                           0.0);
-  }
-  std::span<const double> parts() const { return {parts_.data(), count_}; }
-
- private:
-  std::array<double, kMost> parts_{};
-  std::size_t count_ = 0;
 };
 
 // The cross product of b - a and c - a: the sum of those of a and b, b and c,

@@ -4,7 +4,7 @@
 
 #include <new>
 
-#include "dispatch/exact/exact_bound.h"
+#include "dispatch/fit/bounding.h"
 #include "halfspace/fit.h"
 
 namespace halfspace::dispatch {

@@ -96,8 +96,7 @@ FitTally FitEach(const FitJob& job) {
 }
 
 template <int kDims, Aabo<kDims> (*kBoundAt)(const FitJob&, std::size_t)>
-constexpr FitKernels kEach = {&FitEach<kDims, kBoundAt>,
-                              &FitEach<kDims, kBoundAt>};
+constexpr FitKernels kEach = {&FitEach<kDims, kBoundAt>};
 
 }  // namespace
 

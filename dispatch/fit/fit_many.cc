@@ -77,8 +77,7 @@ class Call {
         .inverted_is_empty = options_.inverted == Inverted::kEmpty};
     const dispatch::DefaultFpMode mode;
     const FitKernels& kernels = source_.kernels[is_double ? 0 : target_index_];
-    const FitTally tally =
-        options_.tightest ? kernels.tightest(job) : kernels.within_ulp(job);
+    const FitTally tally = kernels.fit(job);
     Count(tally, status);
     return is_double ? CompiledTargets()[target_index_]
                      : Target::FromHighwayBit(tally.target);

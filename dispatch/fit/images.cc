@@ -5,150 +5,104 @@
 #include <cstddef>
 #include <optional>
 
-#include "dispatch/exact/exact_bound.h"
-#include "dispatch/exact/exact_terms.h"
-#include "dispatch/exact/outward.h"
 #include "dispatch/fit/any_shape.h"
+#include "dispatch/fit/bounding.h"
 #include "dispatch/fit/point_sources.h"
+#include "dispatch/outward.h"
 #include "halfspace/fit.h"
 
 namespace halfspace {
 namespace {
 
-using dispatch::ExactRanges;
-using dispatch::ExactTerms;
+using dispatch::AxisRanges;
 using dispatch::MagnitudeGuard;
-using dispatch::Negated;
+using dispatch::OutwardSum;
 using dispatch::PointAt;
-using dispatch::RoundDown;
-using dispatch::RoundUp;
-
-template <int kDims, typename Scalar>
-bool CanBeBounded(const Point<kDims, Scalar>& point,
-                  const Affine<kDims, Scalar>& map) {
-  MagnitudeGuard<double> guard;
-  for (std::size_t k = 0; k < kDims; ++k) {
-    for (std::size_t j = 0; j < kDims; ++j) {
-      guard.Add(double{map.linear[k][j]} * double{point[j]});
-    }
-    guard.Add(map.translation[k]);
-  }
-  return guard.CanBeBounded();
-}
-
-// A coordinate of an image, and the sum of all of them.
-template <int kDims, typename Scalar>
-using Coordinate = ExactTerms<Scalar, std::size_t{kDims}, 1>;
-template <int kDims, typename Scalar>
-using CoordinateSum =
-    ExactTerms<Scalar, std::size_t{kDims} * kDims, std::size_t{kDims}>;
 
 // Adds the image of a point, unrounded. False if it cannot be bounded.
 template <int kDims, typename Scalar>
 bool AddImage(const Point<kDims, Scalar>& point,
-              const Affine<kDims, Scalar>& map, ExactRanges<kDims>& ranges) {
-  if (!CanBeBounded<kDims, Scalar>(point, map)) return false;
-  CoordinateSum<kDims, Scalar> all;
+              const Affine<kDims, Scalar>& map, AxisRanges<kDims>& ranges) {
+  MagnitudeGuard<double> guard;
+  OutwardSum d;
   for (std::size_t k = 0; k < kDims; ++k) {
-    Coordinate<kDims, Scalar> coordinate;
+    OutwardSum coordinate(map.translation[k]);
+    guard.Add(map.translation[k]);
     for (std::size_t j = 0; j < kDims; ++j) {
+      guard.Add(double{map.linear[k][j]} * double{point[j]});
       coordinate.AddProduct(map.linear[k][j], point[j]);
-      all.AddProduct(map.linear[k][j], point[j]);
     }
-    coordinate.Add(map.translation[k]);
-    all.Add(map.translation[k]);
-    ranges.Add(k, coordinate.SumToRound());
+    ranges.Add(k, coordinate);
+    d.Add(-coordinate);
   }
-  ranges.Add(kDims, Negated(all.SumToRound()));
-  return true;
+  ranges.Add(kDims, d);
+  return guard.CanBeBounded();
 }
 
 template <int kDims, typename Scalar, typename AtIndex>
 std::optional<Aabo<kDims>> TryPoints(std::size_t count, const AtIndex& at,
                                      const Affine<kDims, Scalar>& map) {
-  ExactRanges<kDims> ranges;
+  AxisRanges<kDims> ranges;
   for (std::size_t i = 0; i < count; ++i) {
     if (!AddImage<kDims, Scalar>(at(i), map, ranges)) return std::nullopt;
   }
   return ranges.Bound();
 }
 
-// The corner of a box that is farthest from the origin.
-template <int kDims, typename Scalar>
-Point<kDims, Scalar> FarthestCorner(const Point<kDims, Scalar>& min,
-                                    const Point<kDims, Scalar>& max) {
-  Point<kDims, Scalar> corner;
-  for (std::size_t k = 0; k < kDims; ++k) {
-    corner[k] = -min[k] > max[k] ? min[k] : max[k];
-  }
-  return corner;
-}
-
-// The least and the greatest sum of factors times the coordinates of a point of
-// the box: a positive factor takes the minimum for the least, a negative one
-// the maximum.
-template <typename Terms>
+// A sum of intervals.
 struct Ends {
-  Terms low;
-  Terms high;
+  OutwardSum low;
+  OutwardSum high;
 
-  // Without a branch on `falls`, which nobody can predict.
-  template <typename Scalar>
-  void AddProduct(Scalar factor, bool falls, Scalar min, Scalar max) {
-    const std::array<Scalar, 2> ends = {min, max};
-    low.AddProduct(factor, ends[falls ? 1 : 0]);
-    high.AddProduct(factor, ends[falls ? 0 : 1]);
-  }
-  template <typename Scalar>
-  void Add(Scalar number) {
+  void Add(double number) {
     low.Add(number);
     high.Add(number);
   }
+  // The interval between two sums, in any order. If their errors hide which of
+  // them is less, then by no more than the larger error.
+  void Add(const OutwardSum& a, const OutwardSum& b) {
+    const double error = std::max(a.error(), b.error());
+    low.Add(OutwardSum(std::min(a.value(), b.value()), error));
+    high.Add(OutwardSum(std::max(a.value(), b.value()), error));
+  }
 };
 
-// The sum of a few is far from overflow.
-constexpr double kMostFactor = 0x1p900;
-
-// Each axis has its extremes at two opposite corners: of all corners they are
-// told by signs, so no other corner is looked at.
+// Each coordinate of the box adds to an axis its product with one of its ends.
 template <int kDims, typename Scalar>
 std::optional<Aabo<kDims>> TryBox(const Point<kDims, Scalar>& min,
                                   const Point<kDims, Scalar>& max,
                                   const Affine<kDims, Scalar>& map) {
+  MagnitudeGuard<double> guard;
+  std::array<Ends, std::size_t{kDims}> axes;
+  Ends all;  // the sum of all axes
   for (std::size_t k = 0; k < kDims; ++k) {
     if (!std::isfinite(min[k]) || !std::isfinite(max[k])) return std::nullopt;
-    for (Scalar factor : map.linear[k]) {
-      // What a map does to a coordinate of 0 does not show in the products.
-      if (!(std::fabs(factor) <= kMostFactor)) return std::nullopt;
-    }
-  }
-  if (!CanBeBounded<kDims, Scalar>(FarthestCorner<kDims, Scalar>(min, max),
-                                   map)) {
-    return std::nullopt;
-  }
-  Aabo<kDims> bound;
-  Ends<CoordinateSum<kDims, Scalar>> all;
-  for (std::size_t j = 0; j < kDims; ++j) {
-    std::array<double, std::size_t{kDims}> column;
-    for (std::size_t k = 0; k < kDims; ++k) column[k] = map.linear[k][j];
-    const bool falls = dispatch::SumExactly(column).value < 0.0;
-    for (std::size_t k = 0; k < kDims; ++k) {
-      all.AddProduct(map.linear[k][j], falls, min[j], max[j]);
-    }
-  }
-  for (std::size_t k = 0; k < kDims; ++k) {
-    Ends<Coordinate<kDims, Scalar>> ends;
-    for (std::size_t j = 0; j < kDims; ++j) {
-      const auto factor = map.linear[k][j];
-      ends.AddProduct(factor, factor < 0, min[j], max[j]);
-    }
-    ends.Add(map.translation[k]);
+    guard.Add(map.translation[k]);
+    axes[k].Add(map.translation[k]);
     all.Add(map.translation[k]);
-    bound.min[k] = RoundDown(ends.low.SumToRound());
-    bound.max[k] = RoundUp(ends.high.SumToRound());
   }
-  bound.min[kDims] = RoundDown(Negated(all.high.SumToRound()));
-  bound.max[kDims] = RoundUp(Negated(all.low.SumToRound()));
+  for (std::size_t j = 0; j < kDims; ++j) {
+    const auto farthest = std::max(-min[j], max[j]);
+    OutwardSum at_min;
+    OutwardSum at_max;
+    for (std::size_t k = 0; k < kDims; ++k) {
+      const auto low = OutwardSum::ProductOf(map.linear[k][j], min[j]);
+      const auto high = OutwardSum::ProductOf(map.linear[k][j], max[j]);
+      guard.Add(double{map.linear[k][j]} * double{farthest});
+      axes[k].Add(low, high);
+      at_min.Add(low);
+      at_max.Add(high);
+    }
+    all.Add(at_min, at_max);
+  }
+  if (!guard.CanBeBounded()) return std::nullopt;
+  Aabo<kDims> bound;
+  for (std::size_t k = 0; k < kDims; ++k) {
+    bound.min[k] = axes[k].low.Down();
+    bound.max[k] = axes[k].high.Up();
+  }
+  bound.min[kDims] = -all.high.Up();
+  bound.max[kDims] = -all.low.Down();
   return bound;
 }
 

@@ -6,17 +6,17 @@
 
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
-#include "dispatch/exact/exact_bound.h"
 #include "dispatch/fit/any_shape.h"
+#include "dispatch/fit/bounding.h"
 #include "dispatch/fit/point_sources.h"
 #include "halfspace/fit.h"
 
 namespace halfspace {
 namespace {
 
+using dispatch::AxisRanges;
 using dispatch::Build;
 using dispatch::CanBeBounded;
-using dispatch::ExactRanges;
 using dispatch::PointAt;
 using dispatch::ThrowInvalid;
 
@@ -25,7 +25,7 @@ using dispatch::ThrowInvalid;
 // bounded.
 template <int kDims, typename AtIndex>
 std::optional<Aabo<kDims>> TryHull(std::size_t count, const AtIndex& at) {
-  ExactRanges<kDims> ranges;
+  AxisRanges<kDims> ranges;
   for (std::size_t i = 0; i < count; ++i) {
     const auto point = at(i);
     if (!CanBeBounded(point)) return std::nullopt;
@@ -37,7 +37,7 @@ std::optional<Aabo<kDims>> TryHull(std::size_t count, const AtIndex& at) {
 // The hull of a few points. With TryHull(), a triangle takes 1.16 of the time.
 template <int kDims, typename... Corners>
 std::optional<Aabo<kDims>> TryCorners(const Corners&... corners) {
-  ExactRanges<kDims> ranges;
+  AxisRanges<kDims> ranges;
   const auto add = [&](const auto& corner) {
     if (!CanBeBounded(corner)) return false;
     ranges.AddPoint(corner);

@@ -2,7 +2,7 @@
 #include <cstddef>
 
 #include "dispatch/default_fp_mode.h"
-#include "dispatch/exact/outward.h"
+#include "dispatch/outward.h"
 #include "halfspace/detail/plane_arrays.h"
 
 namespace halfspace::detail {
@@ -22,8 +22,7 @@ void ReadRecords(const Columns& columns, std::size_t values, std::size_t minima,
   dispatch::InDefaultFpMode([&] {
     for (std::size_t i = 0; i < count; ++i) {
       for (std::size_t v = 0; v < values; ++v) {
-        const dispatch::ExactSum value = {
-            columns.doubles(v)[first + i * columns.stride], 0.0};
+        const double value = columns.doubles(v)[first + i * columns.stride];
         records[i * values + v] =
             v < minima ? dispatch::RoundDown(value) : dispatch::RoundUp(value);
       }

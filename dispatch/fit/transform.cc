@@ -10,16 +10,15 @@
 
 #include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
-#include "dispatch/exact/exact_bound.h"
-#include "dispatch/exact/outward.h"
+#include "dispatch/fit/bounding.h"
+#include "dispatch/outward.h"
 #include "halfspace/detail/plane_arrays.h"
 #include "kernels/fit_many/root_of_dims.h"
 
 namespace halfspace::detail {
 namespace {
 
-using dispatch::RoundDown;
-using dispatch::SumExactly;
+using dispatch::OutwardSum;
 
 constexpr float kUnbounded = -kMax<float>;  // as a minimum
 constexpr float kMostMagnitude = 0x1p126f;
@@ -117,8 +116,10 @@ bool IsFinite(const float* coords) {
                      [](float x) { return std::isfinite(x); });
 }
 
-float PlusExactly(float minimum, double more) {
-  return RoundDown(SumExactly(std::array<double, 2>{minimum, more}));
+float Plus(float minimum, double more) {
+  OutwardSum sum(minimum);
+  sum.Add(more);
+  return sum.Down();
 }
 
 // Minima and maxima change places.
@@ -160,12 +161,12 @@ void Inflate(const AnyBound& bound, float radius, FitStatus* status) {
     return ChangePlanes<dims>(
         bound, std::isfinite(radius),
         [&](float minimum, std::size_t, float) {
-          return PlusExactly(minimum, -double{radius});
+          return Plus(minimum, -double{radius});
         },
         [&](float minimum, float) {
-          const auto reach = kernels::TimesRootOfDims<dims>(double{radius});
-          return RoundDown(SumExactly(
-              std::array<double, 4>{minimum, -reach[0], -reach[1], -reach[2]}));
+          OutwardSum sum(minimum);
+          sum.AddProduct(-double{radius}, kernels::kRootOfDims<dims>);
+          return sum.Down();
         });
   });
 }
@@ -176,10 +177,10 @@ void InflateByBox(const AnyBound& bound, float margin, FitStatus* status) {
     return ChangePlanes<dims>(
         bound, std::isfinite(margin),
         [&](float minimum, std::size_t, float) {
-          return PlusExactly(minimum, -double{margin});
+          return Plus(minimum, -double{margin});
         },
         [&](float minimum, float) {
-          return PlusExactly(minimum, -double{dims} * margin);
+          return Plus(minimum, -double{dims} * margin);
         });
   });
 }
@@ -189,13 +190,12 @@ void Translate(const AnyBound& bound, const float* by, FitStatus* status) {
     return ChangePlanes<dims>(
         bound, IsFinite<dims>(by),
         [&](float minimum, std::size_t axis, float sign) {
-          return PlusExactly(minimum, double{sign} * by[axis]);
+          return Plus(minimum, double{sign} * by[axis]);
         },
         [&](float minimum, float sign) {
-          std::array<double, dims + 1> terms;
-          for (std::size_t k = 0; k < dims; ++k) terms[k] = -sign * by[k];
-          terms[dims] = minimum;
-          return RoundDown(SumExactly(terms));
+          OutwardSum sum(minimum);
+          for (std::size_t k = 0; k < dims; ++k) sum.Add(-sign * by[k]);
+          return sum.Down();
         });
   });
 }
@@ -218,13 +218,12 @@ void TranslateVertices(const AnyBound& bound, const float* by,
           return minimum + sign * by[axis];
         },
         [&](float minimum, float sign) {
-          std::array<double, 2 * dims + 1> terms;
+          OutwardSum sum(minimum);
           for (std::size_t k = 0; k < dims; ++k) {
-            terms[k] = -sign * by[k];
-            terms[dims + k] = -rounded[k];
+            sum.Add(-sign * by[k]);
+            sum.Add(-rounded[k]);
           }
-          terms[2 * dims] = minimum;
-          return RoundDown(SumExactly(terms));
+          return sum.Down();
         });
   });
 }
@@ -243,7 +242,7 @@ void Scale(const AnyBound& bound, float factor, FitStatus* status) {
       factor = -factor;
     }
     const auto scaled = [&](float minimum) {
-      return RoundDown({double{minimum} * double{factor}, 0.0});
+      return dispatch::RoundDown(double{minimum} * double{factor});
     };
     // An infinite factor shows in the products.
     return ChangePlanes<dims>(

@@ -1,4 +1,4 @@
-// Builders of single bounds: the tightest float k-DOP that encloses a shape.
+// Builders of single bounds: a tight float k-DOP that encloses a shape.
 //
 //   const halfspace::Sphere3 sphere = {{0, 0, 0}, 1.5f};
 //   const halfspace::Aabo3 bound = halfspace::BoundSphere(sphere);
@@ -13,12 +13,16 @@
 // The result is an Aabo (an 8-DOP in 3D). Use its up() for the objects of a
 // simplex world, its down() for the queries, and its aabb() for a box. Shapes
 // are of floats (Segment3) or doubles (Segment<3, double>). Bounds are of
-// floats in both cases, and equally tight. transform.h builds bounds from
+// floats in both cases. transform.h builds bounds from
 // bounds (moving bodies), fit_many.h bounds many shapes at once.
 //
+// Tightness, here, in transform.h and in fit_many.h: X, Y and Z of points and
+// boxes of floats are copied. Every other value is at most one float looser
+// than the tightest, plus 2^-40 of the sum of the magnitudes that were added. A
+// value of this header and of transform.h is the tightest float if doubles hold
+// the sums.
+//
 // Words in the comments below:
-//   Tightest       Each value is the closest float that still encloses.
-//   Within 1 ulp   At most one float looser than the tightest.
 //   Everything()   The result if finite floats cannot bound the shape: if an
 //                  input is NaN or infinite, or if the magnitudes of the
 //                  numbers that make up a point (its coordinates, a radius,
@@ -109,7 +113,6 @@ Aabo<kDims> Built(void (*build)(const AnyShape&, Parameters...),
 
 // Bounds the convex hull of a point set, stored as an array of structures or as
 // a structure of arrays. Returns Empty() if there are no points.
-//   Tightest. X, Y and Z of floats are copied.
 //   Throws if `points.count > 0` and a pointer is null or misaligned, or the
 //   points do not fit the address space.
 //   Everything() if any of the points is NaN, infinite or too large (above).
@@ -146,14 +149,14 @@ Aabo<kDims> BoundPoints(const PointsSoa<kDims, Scalar>& points,
                                       &indices, status);
 }
 
-// Bounds one point. Tightest. Call as BoundPoint<3>({x, y, z}).
+// Bounds one point. Call as BoundPoint<3>({x, y, z}).
 template <int kDims, typename Scalar = float>
 Aabo<kDims> BoundPoint(const Point<kDims, Scalar>& point,
                        FitStatus* status = nullptr) {
   return BoundPoints(Points<kDims, Scalar>{point.data(), 1}, status);
 }
 
-// Bounds a segment, including both ends. Tightest.
+// Bounds a segment, including both ends.
 //   A single bound fits a long diagonal segment poorly. Use BoundSegmentPieces
 //   for those.
 template <int kDims, typename Scalar = float>
@@ -162,7 +165,7 @@ Aabo<kDims> BoundSegment(const Segment<kDims, Scalar>& segment,
   return detail::Built<kDims, Scalar>(&detail::BoundSegment, &segment, status);
 }
 
-// Bounds a triangle. Tightest.
+// Bounds a triangle.
 template <int kDims, typename Scalar = float>
 Aabo<kDims> BoundTriangle(const Triangle<kDims, Scalar>& triangle,
                           FitStatus* status = nullptr) {
@@ -170,7 +173,7 @@ Aabo<kDims> BoundTriangle(const Triangle<kDims, Scalar>& triangle,
                                       status);
 }
 
-// Bounds a ray up to its maximum distance. Tightest.
+// Bounds a ray up to its maximum distance.
 //   Throws if `ray.max_t` is negative or NaN. Everything() if it is infinite;
 //   pass the distance at which your world ends instead.
 template <int kDims, typename Scalar = float>
@@ -185,7 +188,7 @@ Aabo<kDims> BoundRay(const Ray<kDims, Scalar>& ray,
 // its own: n pieces of a long diagonal segment keep far fewer objects than one
 // bound of the whole segment (docs/exactness.md has figures). For a ray, pass
 // the segment that it covers. For a moving sphere, Inflate the pieces.
-//   Within 1 ulp, X, Y and Z too. The status counts each piece as a result.
+//   The status counts each piece as a result.
 //   If `pieces` is empty, nothing is written.
 //   Throws if there are more than 2^24 pieces, or if there are pieces and the
 //   pointer to them is null or misaligned.
@@ -200,7 +203,6 @@ void BoundSegmentPieces(
 }
 
 // Bounds an axis-aligned box: its X, Y and Z, and the D of its corners.
-//   Tightest.
 //   Returns Empty() for an empty box: all minima +inf and all maxima -inf, or
 //   FLT_MAX and -FLT_MAX (DBL_MAX and -DBL_MAX for doubles).
 //   Throws if min[k] > max[k] in any other box.
@@ -212,8 +214,6 @@ Aabo<kDims> BoundAabb(const Aabb<kDims, Scalar>& box,
 
 // Bounds a sphere. Radius 0 is a point. For a body that rotates, bound a sphere
 // around its pivot.
-//   X, Y and Z are tightest. D is within 1 ulp, or within 2^-100 of the radius
-//   where the center and the radius almost cancel.
 //   Throws if the radius is negative or NaN.
 template <int kDims, typename Scalar = float>
 Aabo<kDims> BoundSphere(const Sphere<kDims, Scalar>& sphere,
@@ -221,17 +221,15 @@ Aabo<kDims> BoundSphere(const Sphere<kDims, Scalar>& sphere,
   return detail::Built<kDims, Scalar>(&detail::BoundSphere, &sphere, status);
 }
 
-// Bounds a capsule, which is a swept sphere. Tightness and errors as for
-// BoundSphere.
+// Bounds a capsule, which is a swept sphere. Errors as for BoundSphere.
 template <int kDims, typename Scalar = float>
 Aabo<kDims> BoundCapsule(const Capsule<kDims, Scalar>& capsule,
                          FitStatus* status = nullptr) {
   return detail::Built<kDims, Scalar>(&detail::BoundCapsule, &capsule, status);
 }
 
-// Bounds an oriented box, or any parallelepiped. Tightest.
+// Bounds an oriented box, or any parallelepiped.
 //   Throws if a half-extent is negative or NaN.
-//   Everything() also if a number of an axis is beyond 2^900.
 template <int kDims, typename Scalar = float>
 Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims, Scalar>& box,
                              FitStatus* status = nullptr) {
@@ -242,9 +240,7 @@ Aabo<kDims> BoundOrientedBox(const OrientedBox<kDims, Scalar>& box,
 // it on the local shape in every pose, instead of rotating a bound, which makes
 // it grow. The shape and the map can have different precisions: a map of
 // doubles places a local mesh of floats exactly.
-//   Tightest. Errors and special values as for BoundPoints and BoundAabb. The
-//   image of a box is Everything() also if a number of `map.linear` is beyond
-//   2^900.
+//   Errors and special values as for BoundPoints and BoundAabb.
 template <int kDims, typename Scalar = float, typename MapScalar = float>
 Aabo<kDims> BoundTransformed(const Points<kDims, Scalar>& points,
                              const Affine<kDims, MapScalar>& map,

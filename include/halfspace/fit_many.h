@@ -13,15 +13,13 @@
 //            which planes are computed: SimplexPlanes, AabbPlanes, AaboPlanes,
 //            or DPlanes, the D axis alone, which completes the planes of boxes
 //            to those of AABOs. `planes.size` must be the number of shapes.
-//   options  tightness, inverted boxes, target; the defaults are right
+//   options  inverted boxes, target; the defaults are right
 //   status   can be null; counts all shapes as results, and those that became
 //            Everything() (fit_status.h)
 // and returns the target that ran.
 //
-// No overlap is ever missed, as in fit.h. X, Y and Z have the values of fit.h.
-// D is within 1 ulp of the tightest float, or the tightest float with
-// FitOptions::tightest; see BoundSpheres for spheres. Results are bit-identical
-// on every target and compiler.
+// No overlap is ever missed, and bounds are as tight as fit.h says. Results are
+// bit-identical on every target and compiler.
 //
 // A bad element never throws. It becomes Everything() and is counted: a shape
 // with a NaN, an infinity, a negative radius, an index out of range, magnitudes
@@ -38,7 +36,7 @@
 // Cost: `./bench.sh --details build` prints it. If the data is larger than the
 // caches, boxes take about as long as a copy of their bytes (AVX-512), other
 // shapes longer. Doubles are bounded one by one, at the cost and with the
-// tightness of fit.h on every target.
+// values of fit.h on every target.
 //
 // Source: "The Bounding Simplex", for the axes; docs/exactness.md, for the
 // rounding.
@@ -73,7 +71,6 @@ enum class Inverted : std::uint8_t {
 
 // Options of the builders of many bounds.
 struct FitOptions {
-  bool tightest = false;  // makes D the tightest float, not only within 1 ulp
   Inverted inverted = Inverted::kEverything;
   Target target = {};  // by default, the chosen one (targets.h)
 };
@@ -132,12 +129,7 @@ Target BoundBoxes(const Boxes<Planes::kDimensions, Scalar>& boxes,
                             detail::OutputOf(planes), options, status);
 }
 
-// Bounds spheres. X, Y and Z are tightest. D is the tightest float for a value
-// whose error is less than 2^-49 of |x| + |y| + ... + sqrt(kDims) * radius, or,
-// with `options.tightest`, less than 2^-100 of the radius. So D differs from
-// the tightest float by at most 1 ulp plus that error. The error is more than 1
-// ulp only where D almost cancels. Spheres of doubles are bounded as by
-// BoundSphere.
+// Bounds spheres.
 template <typename Planes, typename Scalar = float,
           typename = detail::IfOfFloats<Planes>>
 Target BoundSpheres(const Spheres<Planes::kDimensions, Scalar>& spheres,

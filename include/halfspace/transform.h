@@ -23,8 +23,8 @@
 //   result is Everything().
 // `status` can be null. It counts all results that are Everything().
 //
-// "Tightest", "within 1 ulp", "throws", the thread safety and the
-// floating-point mode are as in fit.h.
+// The tightness, "throws", the thread safety and the floating-point mode are as
+// in fit.h.
 //
 // Cost: tens of ns, and about 100 ns for BoundTransformed
 // (`./bench.sh --details build`).
@@ -121,8 +121,6 @@ Bound Merge(const Bound& a, const Bound& b, FitStatus* status = nullptr) {
 
 // Inflates a bound by a sphere: the Minkowski sum with a sphere of this radius.
 // D moves by sqrt(kDims) times the radius.
-//   X, Y and Z are tightest. D is within 1 ulp, or within 2^-100 of the radius
-//   where the sum almost cancels.
 //   Throws if `radius` is negative or NaN.
 template <typename Bound, typename = detail::IfBoundOfFloats<Bound>>
 Bound Inflate(const Bound& bound, float radius, FitStatus* status = nullptr) {
@@ -131,7 +129,6 @@ Bound Inflate(const Bound& bound, float radius, FitStatus* status = nullptr) {
 
 // Inflates a bound by a cube: every point may move by up to `margin` along each
 // coordinate axis. D moves by kDims times the margin.
-//   Tightest.
 //   Throws if `margin` is negative or NaN.
 template <typename Bound, typename = detail::IfBoundOfFloats<Bound>>
 Bound InflateByBox(const Bound& bound, float margin,
@@ -140,7 +137,6 @@ Bound InflateByBox(const Bound& bound, float margin,
 }
 
 // Moves the exact set: every point p becomes p + by, without rounding.
-//   Tightest.
 //   Vertices that your program moves and rounds to float can lie outside the
 //   result. Use TranslateVertices for them.
 template <typename Bound, typename = detail::IfBoundOfFloats<Bound>>
@@ -163,7 +159,7 @@ Bound TranslateVertices(const Bound& bound, const Point<Bound::kDimensions>& by,
   return detail::Changed(bound, &detail::TranslateVertices, by.data(), status);
 }
 
-// Scales the exact set about the origin. Tightest.
+// Scales the exact set about the origin.
 //   A negative factor mirrors the shape, so minima become maxima.
 //   Throws if `factor` is NaN, and for a simplex, which has only minima or only
 //   maxima, also if it is negative.
@@ -173,7 +169,7 @@ Bound Scale(const Bound& bound, float factor, FitStatus* status = nullptr) {
 }
 
 // Returns the bound of a shape that moves by `motion`, in a straight line and
-// without rotation: the hull of the exact start and end. Tightest.
+// without rotation: the hull of the exact start and end.
 //   If you have a bound of each of the two poses, Merge them instead. That
 //   bounds any motion in which every point stays on the segment between its two
 //   positions.
@@ -184,7 +180,7 @@ Bound Sweep(const Bound& bound, const Point<Bound::kDimensions>& motion,
 }
 
 // Returns the box of floats for a box of doubles: each minimum is rounded down
-// and each maximum up. Tightest.
+// and each maximum up.
 //   A double that is a float stays equal. NaN and infinities stay. A minimum
 //   below -FLT_MAX becomes -infinity, a maximum above FLT_MAX becomes infinity,
 //   so Everything() becomes a box without limits. An empty box stays empty.

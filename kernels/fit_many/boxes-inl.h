@@ -19,7 +19,7 @@ HWY_BEFORE_NAMESPACE();
 namespace halfspace {
 namespace HWY_NAMESPACE {
 
-template <int kDimensions, Rounding kRounding>
+template <int kDimensions>
 struct BoxBuilder {
   using Tag = FitTag;
   static constexpr int kDims = kDimensions;
@@ -70,17 +70,17 @@ struct BoxBuilder {
                                 hn::Neg(other), out.max(k), i);
     }
     // D falls as the coordinates rise: its extremes are at the two corners.
-    constexpr bool kKnown = kKnowsRest<kDims, kRounding>;
     V sum;
-    V rest = hn::Zero(d);
+    V rest;
+    V slack;
     if (out.min(kDims) != nullptr) {
-      LoadSum<kDims, kRounding>(d, high_columns, i, sum, rest);
-      StoreWanted<kAll, kStore>(d, LowerD<kKnown>(d, sum, rest), ok, other,
-                                out.min(kDims), i);
+      LoadSum<kDims>(d, high_columns, i, sum, rest, slack);
+      StoreWanted<kAll, kStore>(d, LowerD<kDims>(d, sum, rest, slack), ok,
+                                other, out.min(kDims), i);
     }
     if (out.max(kDims) != nullptr) {
-      LoadSum<kDims, kRounding>(d, columns, i, sum, rest);
-      StoreWanted<kAll, kStore>(d, UpperD<kKnown>(d, sum, rest), ok,
+      LoadSum<kDims>(d, columns, i, sum, rest, slack);
+      StoreWanted<kAll, kStore>(d, UpperD<kDims>(d, sum, rest, slack), ok,
                                 hn::Neg(other), out.max(kDims), i);
     }
   }
@@ -107,9 +107,9 @@ struct BoxBuilder {
   }
 };
 
-template <int kDims, Rounding kRounding>
+template <int kDims>
 kernels::FitTally FitBoxes(const kernels::FitJob& job) {
-  return FitAll(BoxBuilder<kDims, kRounding>{job.inverted_is_empty}, job,
+  return FitAll(BoxBuilder<kDims>{job.inverted_is_empty}, job,
                 job.columns.stride == 1);
 }
 

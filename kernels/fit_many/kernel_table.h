@@ -36,10 +36,9 @@ struct FitTally {
 
 namespace halfspace::detail {
 
-// One source on one target: D within an ulp, and tightest.
+// One source on one target.
 struct FitKernels {
-  kernels::FitTally (*within_ulp)(const kernels::FitJob& job);
-  kernels::FitTally (*tightest)(const kernels::FitJob& job);
+  kernels::FitTally (*fit)(const kernels::FitJob& job);
 };
 
 }  // namespace halfspace::detail

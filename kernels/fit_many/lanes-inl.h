@@ -58,21 +58,55 @@ HWY_INLINE hn::Vec<D> Magnitude(D d, const float* const* columns, size_t i) {
   return sum;
 }
 
-// The sum of one point's coordinates per lane; see SumOfPoint.
-template <int kDims, Rounding kRounding, class D, class V>
+// The sum of one point's coordinates per lane. The exact sum is at most `slack`
+// away from sum + rest in 4 dimensions, and else between the neighbours of
+// `sum`: docs/exactness.md has the proof.
+template <int kDims, class D, class V>
 HWY_INLINE void LoadSum(D d, const float* const* columns, size_t i, V& sum,
-                        V& rest) {
-  const V x = hn::LoadU(d, columns[0] + i);
-  const V y = hn::LoadU(d, columns[1] + i);
-  if constexpr (kDims == 2) {
-    SumOfPoint<kRounding>(sum, rest, x, y);
+                        V& rest, V& slack) {
+  sum = hn::LoadU(d, columns[0] + i);
+  rest = hn::LoadU(d, columns[1] + i);
+  TwoSum(sum, rest);
+  slack = hn::Abs(rest);
+  for (size_t k = 2; k < kDims; ++k) {
+    V error = hn::LoadU(d, columns[k] + i);
+    TwoSum(sum, error);
+    rest = hn::Add(rest, error);
+    slack = hn::Add(slack, hn::Abs(error));
+  }
+  slack = hn::Mul(slack, hn::Set(d, 0x1p-21f));
+  if (kDims == 3) sum = hn::Add(sum, rest);
+}
+
+// D is minus the sum, rounded down and up.
+template <int kDims, class D, class V>
+HWY_INLINE V LowerD(D d, V sum, V rest, V slack) {
+  V value = hn::Neg(sum);
+  if constexpr (kDims != 4) return NextBelow(d, value);
+  V error = hn::Neg(hn::Add(rest, slack));
+  TwoSum(value, error);
+  return hn::IfThenElse(hn::Lt(error, hn::Zero(d)), NextBelow(d, value), value);
+}
+template <int kDims, class D, class V>
+HWY_INLINE V UpperD(D d, V sum, V rest, V slack) {
+  return hn::Neg(LowerD<kDims>(d, hn::Neg(sum), hn::Neg(rest), slack));
+}
+
+// The range of D over several points per lane: each of them widens it. In 2 and
+// 3 dimensions it is rounded once at the end, because rounding is monotone.
+template <int kDims, class D, class V>
+HWY_INLINE void WidenD(D d, const float* const* columns, size_t i, V& min,
+                       V& max) {
+  V sum;
+  V rest;
+  V slack;
+  LoadSum<kDims>(d, columns, i, sum, rest, slack);
+  if constexpr (kDims == 4) {
+    min = hn::Min(min, LowerD<kDims>(d, sum, rest, slack));
+    max = hn::Max(max, UpperD<kDims>(d, sum, rest, slack));
   } else {
-    const V z = hn::LoadU(d, columns[2] + i);
-    if constexpr (kDims == 3) {
-      SumOfPoint<kRounding>(sum, rest, x, y, z);
-    } else {
-      SumOfPoint<kRounding>(sum, rest, x, y, z, hn::LoadU(d, columns[3] + i));
-    }
+    min = hn::Min(min, hn::Neg(sum));
+    max = hn::Max(max, hn::Neg(sum));
   }
 }
 
@@ -82,28 +116,9 @@ HWY_INLINE V PlusZero(D d, V value) {
   return hn::Add(value, hn::Zero(d));
 }
 
-// The range of D over several points per lane. Each point widens it, and it is
-// rounded once at the end.
-template <int kDims, Rounding kRounding, class D, class V>
-HWY_INLINE void WidenD(D d, const float* const* columns, size_t i, V& min,
-                       V& max) {
-  constexpr bool kKnown = kKnowsRest<kDims, kRounding>;
-  V sum;
-  V rest = hn::Zero(d);
-  LoadSum<kDims, kRounding>(d, columns, i, sum, rest);
-  if constexpr (kKnown) {
-    min = hn::Min(min, LowerD<kKnown>(d, sum, rest));
-    max = hn::Max(max, UpperD<kKnown>(d, sum, rest));
-  } else {
-    // Rounding outward is monotone, so once at the end is enough.
-    min = hn::Min(min, hn::Neg(sum));
-    max = hn::Max(max, hn::Neg(sum));
-  }
-}
-
-template <int kDims, Rounding kRounding, class D, class V>
+template <int kDims, class D, class V>
 HWY_INLINE void FinishD(D d, V& min, V& max) {
-  if constexpr (!kKnowsRest<kDims, kRounding>) {
+  if constexpr (kDims != 4) {
     min = NextBelow(d, min);
     max = hn::Neg(NextBelow(d, hn::Neg(max)));
   }

@@ -46,7 +46,7 @@ struct SetBound {
 };
 
 // Widens a bound by `count` points, a multiple of the lanes, in columns.
-template <int kDims, Rounding kRounding, class D>
+template <int kDims, class D>
 HWY_INLINE void WidenByPoints(D d, const float* const* columns, size_t count,
                               SetBound<kDims>& bound) {
   using V = hn::Vec<D>;
@@ -68,9 +68,9 @@ HWY_INLINE void WidenByPoints(D d, const float* const* columns, size_t count,
   auto ok = hn::Eq(d_min, d_min);
   for (size_t i = 0; i < count; i += lanes) {
     ok = hn::And(ok, hn::Le(Magnitude<kDims>(d, columns, i), largest));
-    WidenD<kDims, kRounding>(d, columns, i, d_min, d_max);
+    WidenD<kDims>(d, columns, i, d_min, d_max);
   }
-  FinishD<kDims, kRounding>(d, d_min, d_max);
+  FinishD<kDims>(d, d_min, d_max);
   bound.ok &= hn::AllTrue(d, ok);
   bound.Widen(kDims, hn::GetLane(hn::MinOfLanes(d, d_min)),
               hn::GetLane(hn::MaxOfLanes(d, d_max)));
@@ -78,7 +78,7 @@ HWY_INLINE void WidenByPoints(D d, const float* const* columns, size_t count,
 
 // Points begin .. begin + count - 1, through a tile if they are not already in
 // columns.
-template <int kDims, Rounding kRounding>
+template <int kDims>
 HWY_INLINE void WidenBySet(const kernels::FitJob& job, size_t begin,
                            size_t count, InputTile<kDims>& tile,
                            SetBound<kDims>& bound) {
@@ -90,7 +90,7 @@ HWY_INLINE void WidenBySet(const kernels::FitJob& job, size_t begin,
     for (size_t k = 0; k < kDims; ++k)
       columns[k] = job.columns.floats(k) + begin;
     done = count / lanes * lanes;
-    WidenByPoints<kDims, kRounding>(d, columns, done, bound);
+    WidenByPoints<kDims>(d, columns, done, bound);
   }
   while (done < count) {
     const size_t points = HWY_MIN(kTileObjects, count - done);
@@ -102,12 +102,12 @@ HWY_INLINE void WidenBySet(const kernels::FitJob& job, size_t begin,
         tile.values[k][i] = tile.values[k][0];
       }
     }
-    WidenByPoints<kDims, kRounding>(d, tile.columns, whole, bound);
+    WidenByPoints<kDims>(d, tile.columns, whole, bound);
     done += points;
   }
 }
 
-template <int kDims, Rounding kRounding>
+template <int kDims>
 kernels::FitTally FitPointSets(const kernels::FitJob& job) {
   kernels::FitTally tally{.target = HWY_TARGET};
   const OutputPlanes<kDims> out(job, 0);
@@ -118,7 +118,7 @@ kernels::FitTally FitPointSets(const kernels::FitJob& job) {
     SetBound<kDims> bound;
     bound.ok = begin <= end && end <= job.columns.size;
     if (bound.ok) {
-      WidenBySet<kDims, kRounding>(job, begin, end - begin, tile, bound);
+      WidenBySet<kDims>(job, begin, end - begin, tile, bound);
     }
     if (!bound.ok) {
       bound.SetEverything();

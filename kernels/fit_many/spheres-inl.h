@@ -22,22 +22,18 @@ namespace HWY_NAMESPACE {
 using WideTag = hn::CappedTag<double, kTileObjects>;
 using NarrowTag = hn::Rebind<float, WideTag>;
 
-// The largest float not above value + rest, as a double; `rest` has the sign of
-// what is missing.
-template <class V>
-HWY_INLINE V LowerFloat(V value, V rest) {
+// The largest float that is not above a double, in each lane.
+HWY_INLINE hn::Vec<NarrowTag> LowerFloat(hn::Vec<WideTag> value) {
+  using W = hn::Vec<WideTag>;
   const WideTag dw;
   const NarrowTag dn;
   const auto nearest = hn::DemoteTo(dn, value);
-  const V back = hn::PromoteTo(dw, nearest);
-  const auto is_above =
-      hn::Or(hn::Gt(back, value),
-             hn::And(hn::Eq(back, value), hn::Lt(rest, hn::Zero(dw))));
-  return hn::IfThenElse(is_above, hn::PromoteTo(dw, NextBelow(dn, nearest)),
-                        back);
+  const W back = hn::PromoteTo(dw, nearest);
+  const W below = hn::PromoteTo(dw, NextBelow(dn, nearest));
+  return hn::DemoteTo(dn, hn::IfThenElse(hn::Gt(back, value), below, back));
 }
 
-template <int kDimensions, Rounding kRounding>
+template <int kDimensions>
 struct SphereBuilder {
   using Tag = NarrowTag;
   static constexpr int kDims = kDimensions;
@@ -80,12 +76,25 @@ struct SphereBuilder {
                                 hn::Neg(Difference(d, hn::Neg(center), radius)),
                                 ok, highest, out.max(k), i);
     }
+    // D is -(x + y + ...), more or less the reach, in double.
+    const WideTag dw;
+    auto reach = hn::Mul(hn::PromoteTo(dw, radius),
+                         hn::Set(dw, kernels::kRootOfDims<kDims>));
+    auto sum = hn::Zero(dw);
+    auto magnitude = reach;
+    for (size_t k = 0; k < kDims; ++k) {
+      const auto x = hn::PromoteTo(dw, hn::LoadU(d, columns[k] + i));
+      sum = hn::Add(sum, x);
+      magnitude = hn::Add(magnitude, hn::Abs(x));
+    }
+    // Each of up to six roundings is worth 2^-53 of all magnitudes.
+    reach = hn::Add(reach, hn::Mul(magnitude, hn::Set(dw, 0x1p-50)));
     if (out.min(kDims) != nullptr) {
-      const V low = LowestD(d, columns, i, hn::Set(WideTag(), -1.0));
+      const V low = LowerFloat(hn::Neg(hn::Add(sum, reach)));
       StoreWanted<kAll, kStore>(d, low, ok, lowest, out.min(kDims), i);
     }
     if (out.max(kDims) != nullptr) {
-      const V high = hn::Neg(LowestD(d, columns, i, hn::Set(WideTag(), 1.0)));
+      const V high = hn::Neg(LowerFloat(hn::Sub(sum, reach)));
       StoreWanted<kAll, kStore>(d, high, ok, highest, out.max(kDims), i);
     }
   }
@@ -98,71 +107,11 @@ struct SphereBuilder {
     TwoSum(sum, rest);
     return hn::IfThenElse(hn::Lt(rest, hn::Zero(d)), NextBelow(d, sum), sum);
   }
-
-  static HWY_INLINE hn::Vec<WideTag> Wide(const float* column, size_t i) {
-    return hn::PromoteTo(WideTag(), hn::LoadU(NarrowTag(), column + i));
-  }
-
-  // The minimum of D for sign -1, of -D for sign 1: sign * (x + y + ...) minus
-  // radius * sqrt(kDims), rounded down.
-  template <class D, class W>
-  static HWY_INLINE hn::Vec<D> LowestD(D dn, const float* const* columns,
-                                       size_t i, W sign) {
-    const WideTag d;
-    const W x = hn::Mul(sign, Wide(columns[0], i));
-    const W y = hn::Mul(sign, Wide(columns[1], i));
-    const W radius = Wide(columns[kDims], i);
-    if constexpr (kDims == 2) {
-      return hn::DemoteTo(dn, Lowest(d, radius, x, y));
-    } else {
-      const W z = hn::Mul(sign, Wide(columns[2], i));
-      if constexpr (kDims == 3) {
-        return hn::DemoteTo(dn, Lowest(d, radius, x, y, z));
-      } else {
-        const W w = hn::Mul(sign, Wide(columns[3], i));
-        return hn::DemoteTo(dn, Lowest(d, radius, x, y, z, w));
-      }
-    }
-  }
-
-  template <class D, class W, class... Ws>
-  static HWY_INLINE W Lowest(D d, W radius, W x, Ws... others) {
-    constexpr kernels::RootOfDims kRoot = kernels::kRootOfDims<kDims>;
-    if constexpr (kRounding == Rounding::kTightest) {
-      // A float times 29 bits is exact in double.
-      const W first = hn::Neg(hn::Mul(radius, hn::Set(d, kRoot.first)));
-      const W second = hn::Neg(hn::Mul(radius, hn::Set(d, kRoot.second)));
-      W third = hn::Mul(radius, hn::Set(d, kRoot.third));
-      // This one rounds, by less than 2^-52 of it.
-      third = hn::Neg(hn::Add(third, hn::Mul(third, hn::Set(d, 0x1p-51))));
-      W value;
-      W rest;
-      SumExactly(value, rest, x, others..., first, second, third);
-      return LowerFloat(value, rest);
-    } else {
-      const W reach = hn::Mul(radius, hn::Set(d, kRoot.above));
-      const W sum = hn::Sub(SumOf(x, others...), reach);
-      // Each of up to six roundings is worth 2^-53 of all magnitudes.
-      const W magnitude = hn::Add(SumOf(hn::Abs(x), hn::Abs(others)...), reach);
-      const W slack = hn::Mul(magnitude, hn::Set(d, 0x1p-50));
-      return LowerFloat(hn::Sub(sum, slack), hn::Zero(d));
-    }
-  }
-
-  template <class W>
-  static HWY_INLINE W SumOf(W x) {
-    return x;
-  }
-  template <class W, class... Ws>
-  static HWY_INLINE W SumOf(W x, W y, Ws... others) {
-    return SumOf(hn::Add(x, y), others...);
-  }
 };
 
-template <int kDims, Rounding kRounding>
+template <int kDims>
 kernels::FitTally FitSpheres(const kernels::FitJob& job) {
-  return FitAll(SphereBuilder<kDims, kRounding>(), job,
-                job.columns.stride == 1);
+  return FitAll(SphereBuilder<kDims>(), job, job.columns.stride == 1);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -19,7 +19,7 @@ HWY_BEFORE_NAMESPACE();
 namespace halfspace {
 namespace HWY_NAMESPACE {
 
-template <int kDimensions, Rounding kRounding>
+template <int kDimensions>
 struct TriangleBuilder {
   using Tag = FitTag;
   static constexpr int kDims = kDimensions;
@@ -84,18 +84,18 @@ struct TriangleBuilder {
     if (out.min(kDims) == nullptr && out.max(kDims) == nullptr) return;
     V d_min = hn::Set(d, INFINITY);
     V d_max = hn::Set(d, -INFINITY);
-    WidenD<kDims, kRounding>(d, a, i, d_min, d_max);
-    WidenD<kDims, kRounding>(d, b, i, d_min, d_max);
-    WidenD<kDims, kRounding>(d, c, i, d_min, d_max);
-    FinishD<kDims, kRounding>(d, d_min, d_max);
+    WidenD<kDims>(d, a, i, d_min, d_max);
+    WidenD<kDims>(d, b, i, d_min, d_max);
+    WidenD<kDims>(d, c, i, d_min, d_max);
+    FinishD<kDims>(d, d_min, d_max);
     StoreWanted<kAll, kStore>(d, d_min, ok, lowest, out.min(kDims), i);
     StoreWanted<kAll, kStore>(d, d_max, ok, highest, out.max(kDims), i);
   }
 };
 
-template <int kDims, Rounding kRounding>
+template <int kDims>
 kernels::FitTally FitTriangles(const kernels::FitJob& job) {
-  return FitAll(TriangleBuilder<kDims, kRounding>(), job, /*is_direct=*/false);
+  return FitAll(TriangleBuilder<kDims>(), job, /*is_direct=*/false);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -25,9 +25,7 @@ using Pairs = std::vector<hs_id_pair>;
 
 // Writes the records of boxes.
 void BoundBoxes(hs_kind kind, const hs_columns& boxes, float* records) {
-  hs_bound_options options = DefaultOf(&hs_bound_options_default);
-  options.tightest = 1;
-  Check(hs_bound_boxes(kind, &boxes, &options, records, nullptr));
+  Check(hs_bound_boxes(kind, &boxes, nullptr, records, nullptr));
 }
 
 // The object of Python. It has the lock of the broad phase, and one for the

@@ -30,7 +30,7 @@ static const float kBoxes[] = {0, 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3};
 OFFSETS3(hs_allocator, allocate, 0, deallocate, 8, context, 16);
 OFFSETS4(hs_columns, type, 0, count, 8, stride, 16, column, 24);
 _Static_assert(sizeof(hs_columns) == 96, "hs_columns");
-OFFSETS3(hs_bound_options, tightest, 8, empty_if_inverted, 12, target, 16);
+OFFSETS2(hs_bound_options, empty_if_inverted, 8, target, 16);
 OFFSETS3(hs_scan_config, kind, 8, bits, 12, allocator, 16);
 OFFSETS4(hs_scan_options, begin, 8, end, 16, skip, 24, target, 32);
 OFFSETS6(hs_bvh_config, kind, 8, quality, 12, target, 16, run, 24, run_context,

@@ -240,14 +240,12 @@ void CheckBuilder(const Records& records, std::size_t shapes, const Call& call,
   const auto check = [&]<typename World>(hs_kind kind, World world, Form form,
                                          const auto* rows) {
     using Its = Kind<typename World::View>;
-    for (int options = 0; options < 4; ++options) {
+    for (int is_empty : {0, 1}) {
       hs_bound_options of_c = DefaultsOf(&hs_bound_options_default);
-      of_c.tightest = options % 2;
-      of_c.empty_if_inverted = options / 2;
+      of_c.empty_if_inverted = is_empty;
       of_c.target = LastTarget();
       FitOptions of_cc;
-      of_cc.tightest = of_c.tightest != 0;
-      of_cc.inverted = options / 2 ? Inverted::kEmpty : Inverted::kEverything;
+      of_cc.inverted = is_empty != 0 ? Inverted::kEmpty : Inverted::kEverything;
       FitStatus status;
       world.Resize(shapes);
       fit(rows, world.planes(), of_cc, &status);

@@ -35,7 +35,6 @@ void Fuzz(Random& random) {
   const auto wanted =
       static_cast<std::uint32_t>(random() % 4 == 0 ? random() : 0xFF);
   const FitOptions options{
-      .tightest = random() % 2 != 0,
       .inverted = random() % 2 == 0 ? Inverted::kEmpty : Inverted::kEverything};
   Arena arena(random() % 16, Arena::kFiniteCanary);
   const BulkShapes shapes = SomeShapesOf(bulk, random);
@@ -51,8 +50,7 @@ void Fuzz(Random& random) {
   source.Place(arena, layout);
   EXPECT_TRUE(answers.Check(source, arena, wanted, mode))
       << bulk << ", layout " << static_cast<int>(layout) << ", planes "
-      << wanted << ", tightest " << options.tightest << ", mode "
-      << static_cast<int>(mode) << ", shapes "
+      << wanted << ", mode " << static_cast<int>(mode) << ", shapes "
       << ::testing::PrintToString(shapes);
 }
 

@@ -249,7 +249,6 @@ HALFSPACE_API size_t hs_bound_values(hs_kind kind);
 
 typedef struct hs_bound_options {
   size_t struct_size;
-  int tightest;           // 1: D is the tightest float, not only within 1 ulp
   int empty_if_inverted;  // 1: a box with a minimum above a maximum becomes the
                           // empty bound. 0: it is a mistake
   const char* target;     // null: the chosen target

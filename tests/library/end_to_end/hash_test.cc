@@ -230,8 +230,8 @@ TEST(BulkHashTest, IsTheSameEverywhere) {
   std::size_t mode = 0;
   for (const Bulk& bulk : Bulks()) {
     BulkSource source(bulk, SeededShapes(bulk));
-    for (const FitOptions& way : {FitOptions{}, FitOptions{.tightest = true},
-                                  FitOptions{.inverted = Inverted::kEmpty}}) {
+    for (const FitOptions& way :
+         {FitOptions{}, FitOptions{.inverted = Inverted::kEmpty}}) {
       for (BulkLayout layout : kBulkLayouts) {
         Arena arena;
         source.Place(arena, layout);
@@ -251,7 +251,7 @@ TEST(BulkHashTest, IsTheSameEverywhere) {
           hash.Add(status.first_everything);
           EXPECT_LT(status.everything, status.results / 4);
           EXPECT_TRUE(IsKnown(
-              bulk.name + (way.tightest ? "Tightest" : "") +
+              bulk.name +
                   (way.inverted == Inverted::kEmpty ? "InvertedAreEmpty" : ""),
               hash.value()))
               << target.name() << ", layout " << static_cast<int>(layout);

@@ -72,9 +72,8 @@ bool IsRound(const Builder& builder) {
   return builder.kind == Kind::kSphere || builder.kind == Kind::kCapsule;
 }
 
-// The largest sum of the magnitudes that make up a point, which decides whether
-// the shape can be bounded: that of the point which has all of them with one
-// sign.
+}  // namespace
+
 mpq_class WeightOf(const Builder& builder, Shape shape) {
   for (float& number : shape.floats) number = std::fabs(number);
   for (double& number : shape.doubles) number = std::fabs(number);
@@ -92,16 +91,16 @@ mpq_class WeightOf(const Builder& builder, Shape shape) {
   return most + radius;
 }
 
+namespace {
+
 ::testing::AssertionResult IsExactBound(const Builder& builder,
                                         const Shape& shape,
                                         const Outcome& outcome) {
   bool is_refused = false;
   bool is_inverted = false;
   bool is_empty = true;
-  bool has_far_factor = false;
   const double most =
       builder.is_double ? std::numeric_limits<double>::max() : double{kMost};
-  const std::size_t linear = builder.dims * (builder.dims + 2);
   for (std::size_t i = 0; i < builder.roles.size(); ++i) {
     const double number = builder.Number(shape, i);
     switch (builder.roles[i]) {
@@ -115,8 +114,7 @@ mpq_class WeightOf(const Builder& builder, Shape shape) {
         break;
       }
       default:
-        has_far_factor |= i >= builder.dims && i < linear + builder.dims &&
-                          std::fabs(number) > 0x1p900;
+        break;
     }
   }
   if (builder.kind == Kind::kBox || builder.kind == Kind::kImageOfBox) {
@@ -129,35 +127,20 @@ mpq_class WeightOf(const Builder& builder, Shape shape) {
   if (!AreFinite(builder, shape, 0)) {
     return Is(outcome, builder.Everything(), "Everything()");
   }
-  // The sum of the magnitudes may be rounded. No product of small numbers is
-  // too large.
+  // The sum of the magnitudes may be rounded.
   const mpq_class limit = Exact(0x1p125);
   const mpq_class rounding = Exact(0x1p105);
-  const bool is_everything = outcome.planes == builder.Everything();
-  bool is_small = !is_everything;
-  for (std::size_t i = 0; i < builder.roles.size(); ++i) {
-    is_small &= std::fabs(builder.Number(shape, i)) < 0x1p50;
+  const mpq_class weight = WeightOf(builder, shape);
+  if (weight > limit + rounding) {
+    return Is(outcome, builder.Everything(), "Everything(), as it is large");
   }
-  if (!is_small) {
-    const mpq_class weight = WeightOf(builder, shape);
-    if (weight > limit + rounding) {
-      return Is(outcome, builder.Everything(), "Everything(), as it is large");
-    }
-    const bool may_be_far =
-        builder.kind == Kind::kOrientedBox || builder.kind == Kind::kImageOfBox;
-    if (is_everything &&
-        (weight > limit - rounding || (may_be_far && has_far_factor))) {
-      return ::testing::AssertionSuccess();
-    }
+  if (outcome.planes == builder.Everything() && weight > limit - rounding) {
+    return ::testing::AssertionSuccess();
   }
-  const Looseness loose =
-      IsRound(builder) ? RoundD(builder.Number(shape, builder.roles.size() - 1))
-      : builder.kind == Kind::kPieces ? kWithinOneUlp
-                                      : kTightest;
   for (std::size_t i = 0; i < builder.results(); ++i) {
-    auto result =
-        HullOf(builder, shape, i)
-            .IsEnclosedBy(&outcome.planes[i * 2 * (builder.dims + 1)], loose);
+    auto result = HullOf(builder, shape, i)
+                      .IsEnclosedBy(&outcome.planes[i * 2 * (builder.dims + 1)],
+                                    LooseBy(weight));
     if (!result) return result << ", result " << i;
   }
   return ::testing::AssertionSuccess();
@@ -191,9 +174,9 @@ bool IsValidBound(const Builder& builder, const float* planes) {
   return true;
 }
 
-// Beyond what can be bounded.
+// Beyond what can be bounded, or next to it.
 bool MayOverflow(const ExactValue& value) {
-  const mpq_class most = Exact(0x1p126);
+  const mpq_class most = Exact(0x1p126) - Exact(0x1p103);
   return Compare({most, 0, value.n}, value) < 0 ||
          Compare({mpq_class(-most), 0, value.n}, value) > 0;
 }
@@ -343,12 +326,12 @@ bool IsRefusedChange(const Builder& builder, const Shape& shape) {
       exact.values[p].reset();
     }
   }
-  Looseness loose = kTightest;
-  if (builder.change == Change::kInflate) {
-    loose = {.d = 1,
-             .d_slack = 0x1p-100 * double{given[builder.first_argument()]}};
+  mpq_class weight = 0;
+  for (std::size_t i = 0; i < builder.roles.size(); ++i) {
+    const float number = shape.floats[i];
+    if (std::fabs(number) != kMost) weight += 4 * abs(Exact(number));
   }
-  return exact.AreTightIn(outcome.planes.data(), loose);
+  return exact.AreTightIn(outcome.planes.data(), LooseBy(weight));
 }
 
 }  // namespace
@@ -425,10 +408,11 @@ void SetPlanesOfVertices(const Builder& builder, const Shape& vertices,
     return ::testing::AssertionSuccess();
   }
   const ExactHull hull = HullOf(points, moved);
-  auto encloses = hull.IsEnclosedBy(result.data(), {.d = kAnyFloats});
+  auto encloses = hull.IsEnclosedBy(result.data(), {.floats = kAnyFloats});
   if (!encloses) return encloses;
-  // D may give way by what rounding can do to the largest coordinates, and
-  // round once; it was rounded when the bound was made.
+  // D may give way by what rounding can do to the largest coordinates, by what
+  // the sums in double lose, and round once; it was rounded when the bound was
+  // made.
   mpq_class give = 0;
   ExactPoint by;
   for (std::size_t k = 0; k < dims; ++k) {
@@ -436,7 +420,11 @@ void SetPlanesOfVertices(const Builder& builder, const Shape& vertices,
         Exact(std::max(std::fabs(result[k]), std::fabs(result[dims + 1 + k])));
     by.push_back(Exact(shape.floats[first + k]));
   }
-  give *= Exact(0x1p-24);
+  give *= Exact(0x1.00001p-24);
+  for (const mpq_class& x : by) give += abs(x) * Exact(0x1p-46);
+  for (std::size_t p : {dims, 2 * dims + 1}) {
+    give += abs(Exact(shape.floats[p])) * Exact(0x1p-46);
+  }
   const mpq_class shift = ShiftOf(by, dims);
   const mpq_class low = Exact(shape.floats[dims]) + shift - give;
   const mpq_class high = Exact(shape.floats[2 * dims + 1]) + shift + give;

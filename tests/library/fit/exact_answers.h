@@ -7,7 +7,6 @@
 #include <gmpxx.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -21,19 +20,17 @@ namespace halfspace::testing {
 
 using ExactPoint = std::vector<mpq_class>;
 
-// How many floats a bound may be looser than the tightest, for D after it gave
-// way by a slack.
+// How many floats a bound may be looser than the tightest one of what is looser
+// by a slack.
 struct Looseness {
-  int coordinates = 0;
-  int d = 0;
-  double d_slack = 0.0;
+  int floats = 0;
+  double slack = 0.0;
 };
-inline constexpr Looseness kTightest{};
-inline constexpr Looseness kWithinOneUlp{.coordinates = 1, .d = 1};
 
-// Of spheres: one float, but for the D that all but cancel.
-inline Looseness RoundD(double radius) {
-  return {.d = 1, .d_slack = std::max(radius * 0x1p-100, 0x1p-800)};
+// Of the builders of single bounds: what the sums in double may lose, if this
+// is the sum of the magnitudes of their terms.
+inline Looseness LooseBy(const mpq_class& weight) {
+  return {.slack = 0x1p-46 * weight.get_d() + 0x1p-900};
 }
 
 // The exact planes of a bound, all minima, then all maxima. Nothing stands for
@@ -51,9 +48,8 @@ struct ExactPlanes {
 
   ::testing::AssertionResult AreTightIn(const float* bound,
                                         Looseness loose) const {
+    const auto [floats, slack] = loose;
     for (std::size_t p = 0; p < values.size(); ++p) {
-      const int floats = Axis(p) == dims ? loose.d : loose.coordinates;
-      const double slack = Axis(p) == dims ? loose.d_slack : 0.0;
       const float unbounded = std::numeric_limits<float>::max();
       auto result = ::testing::AssertionSuccess();
       if (!values[p]) {
@@ -236,6 +232,11 @@ struct Outcome {
 
 Outcome Try(const Builder& builder, const Shape& shape,
             const FitStatus& before = {.results = kCountedBefore});
+
+// The largest sum of the magnitudes that make up a point, which decides whether
+// the shape can be bounded: that of the point which has all of them with one
+// sign.
+mpq_class WeightOf(const Builder& builder, Shape shape);
 
 // The outcome is an error, Empty(), Everything() or a bound, as it must be. A
 // bound encloses the exact shape, and is as tight as the header says. All rows,

@@ -1,11 +1,11 @@
 // Random shapes for the rows of bulk.h, and what a call for many shapes must
-// give: for each of them the bound that the builder of one gives, as far as the
-// options allow.
+// give for each of them.
 #ifndef HALFSPACE_TESTS_LIBRARY_FIT_MANY_BULK_ANSWERS_H_
 #define HALFSPACE_TESTS_LIBRARY_FIT_MANY_BULK_ANSWERS_H_
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -152,40 +152,41 @@ class BulkAnswers {
                : bulk_.Single(numbers);
   }
 
-  // A bound is that of the single builder. But D is within an ulp of it, if the
-  // tightest is not asked for, and spheres of floats round D in another way.
+  // A bound of doubles is that of the single builder. One of floats has its
+  // special values, and X, Y and Z of points, and else encloses the shape.
   ::testing::AssertionResult IsBoundOfOne(std::size_t i) const {
     const Planes& bound = first_[i];
     const Planes& single = expected_[i];
     const std::vector<double>& numbers = shapes_[i];
     const std::size_t d = bulk_.dims;
     const bool is_sphere = bulk_.kind == Kind::kSphere;
-    const bool is_same = bulk_.is_double || (options_.tightest && !is_sphere) ||
+    const bool is_same = bulk_.is_double ||
                          single == bulk_.single().Everything() ||
                          single == bulk_.single().Empty();
     for (std::size_t p = 0; p < bulk_.planes(); ++p) {
-      if (bound[p] == single[p]) continue;
-      constexpr float kInfinity = std::numeric_limits<float>::infinity();
-      const float looser =
-          std::nextafter(single[p], p <= d ? -kInfinity : kInfinity);
-      const bool is_d = p % (d + 1) == d;
-      if (is_same || !is_d || (!is_sphere && bound[p] != looser)) {
+      const bool may_differ = !is_same && (is_sphere || p % (d + 1) == d);
+      if (bound[p] != single[p] && !may_differ) {
         return ::testing::AssertionFailure()
                << "plane " << p << " is " << bound[p] << ", and of one shape "
                << single[p];
       }
     }
-    if (is_same || !is_sphere) return ::testing::AssertionSuccess();
-    double slack = numbers.back() * 0x1p-100;
-    if (!options_.tightest) {
-      slack = numbers.back();
-      for (std::size_t k = 0; k < d; ++k) slack += std::fabs(numbers[k]);
-      slack *= 0x1p-49;
+    if (is_same) return ::testing::AssertionSuccess();
+    ExactHull hull(d);
+    double weight = 0;
+    const mpq_class radius = is_sphere ? Exact(numbers[d]) : mpq_class(0);
+    for (std::size_t n = 0; n + d <= numbers.size(); n += d) {
+      ExactPoint point;
+      double of_point = is_sphere ? 2 * numbers[d] : 0;
+      for (std::size_t k = 0; k < d; ++k) {
+        point.push_back(Exact(numbers[n + k]));
+        of_point += std::fabs(numbers[n + k]);
+      }
+      hull.AddSphere(point, radius);
+      weight = std::max(weight, of_point);
     }
-    Shape shape;
-    for (std::size_t n = 0; n < numbers.size(); ++n) shape.Set(n, numbers[n]);
-    const Looseness loose{.d = options_.tightest ? 0 : 1, .d_slack = slack};
-    return HullOf(bulk_.single(), shape).IsEnclosedBy(bound.data(), loose);
+    return hull.IsEnclosedBy(bound.data(),
+                             {.floats = 1, .slack = 0x1p-40 * weight});
   }
 
   Bulk bulk_;

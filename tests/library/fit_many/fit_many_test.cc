@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -78,12 +79,9 @@ class FitManyTest : public ::testing::TestWithParam<Bulk> {
 
 TEST_P(FitManyTest, BoundsAreThoseOfOneShape) {
   constexpr std::size_t kShapes = 150;  // more than two tiles and a tail
-  for (int options = 0; options < 4; ++options) {
+  for (Inverted inverted : {Inverted::kEverything, Inverted::kEmpty}) {
     const auto expect_all = [&](const BulkShapes& shapes) {
-      BulkAnswers answers(
-          GetParam(), shapes,
-          {.tightest = options % 2 != 0,
-           .inverted = options < 2 ? Inverted::kEverything : Inverted::kEmpty});
+      BulkAnswers answers(GetParam(), shapes, {.inverted = inverted});
       ExpectAll(answers, shapes, [] { return Arena(); });
     };
     ForEachSample(70, 2, [&](PointKind kind, Random& random) {
@@ -137,14 +135,12 @@ TEST_P(FitManyTest, IndicesAndEndsThatAreOutOfRange) {
   const BulkSource good(bulk, shapes);
   const auto expect = [&](BulkSource& source, std::size_t bad,
                           const Planes& expected) {
-    for (bool is_tightest : {false, true}) {
-      BulkAnswers answers(bulk, shapes, {.tightest = is_tightest});
-      answers.Set(bad, expected);
-      // What is read past the end could be bounded.
-      Arena arena(0, Arena::kFiniteCanary);
-      source.Place(arena, BulkLayout::kColumns);
-      ASSERT_TRUE(answers.Check(source, arena)) << bad;
-    }
+    BulkAnswers answers(bulk, shapes);
+    answers.Set(bad, expected);
+    // What is read past the end could be bounded.
+    Arena arena(0, Arena::kFiniteCanary);
+    source.Place(arena, BulkLayout::kColumns);
+    ASSERT_TRUE(answers.Check(source, arena)) << bad;
   };
   for (std::size_t i = 0; i < 3 * kShapes && !HasFatalFailure(); ++i) {
     if (bulk.kind != Kind::kTriangle) break;
@@ -228,31 +224,32 @@ TEST(FitManyLargeTest, AreTheSameAsSmallOnes) {
   }
 }
 
-// The calls with their types, by hand.
+float Below(float d) { return std::nextafter(d, -detail::kInf<float>); }
+float Above(float d) { return std::nextafter(d, detail::kInf<float>); }
+
+// The calls with their types, by hand. D is one float looser than it must be.
 TEST(FitManyKnownTest, EveryKindOfSourceAndOfPlanes) {
-  const FitOptions options{.tightest = true};
   const std::array<Aabb3, 2> boxes = {
       {{{1, 2, 3}, {4, 5, 6}}, {{-1, 0, 0}, {0, 1, 2}}}};
   AaboWorld3 aabos;
   aabos.Resize(2);
-  BoundBoxes(BoxesOf<3>(boxes), aabos.planes(), options);
-  EXPECT_EQ(aabos.Get(0), (Aabo3{{1, 2, 3, -15}, {4, 5, 6, -6}}));
-  EXPECT_EQ(aabos.Get(1), (Aabo3{{-1, 0, 0, -3}, {0, 1, 2, 1}}));
+  BoundBoxes(BoxesOf<3>(boxes), aabos.planes());
+  EXPECT_EQ(aabos.Get(0), (Aabo3{{1, 2, 3, Below(-15)}, {4, 5, 6, Above(-6)}}));
+  EXPECT_EQ(aabos.Get(1), (Aabo3{{-1, 0, 0, Below(-3)}, {0, 1, 2, Above(1)}}));
   // The D axis of boxes that are already a world.
   std::array<float, 2> min;
   std::array<float, 2> max;
-  BoundBoxes(BoxesOf(AabbWorld3(boxes)), DPlanes3{min.data(), max.data(), 2},
-             options);
-  EXPECT_EQ(min, (std::array{-15.f, -3.f}));
-  EXPECT_EQ(max, (std::array{-6.f, 1.f}));
+  BoundBoxes(BoxesOf(AabbWorld3(boxes)), DPlanes3{min.data(), max.data(), 2});
+  EXPECT_EQ(min, (std::array{Below(-15), Below(-3)}));
+  EXPECT_EQ(max, (std::array{Above(-6), Above(1)}));
 
   const float coords[] = {0, 0, 0, 1, 0, 0, 0, 2, 0, 4, 2, -1};
   const std::array<std::uint32_t, 6> indices = {0, 1, 2, 3, 0, 0};
   SimplexWorld3 simplices;
   simplices.Resize(2);
-  BoundTriangles(Points3{coords, 4}, indices, simplices.planes(), options);
-  EXPECT_EQ(simplices.Get(0), (UpSimplex3{{0, 0, 0, -2}}));
-  EXPECT_EQ(simplices.Get(1), (UpSimplex3{{0, 0, -1, -5}}));
+  BoundTriangles(Points3{coords, 4}, indices, simplices.planes());
+  EXPECT_EQ(simplices.Get(0), (UpSimplex3{{0, 0, 0, Below(-2)}}));
+  EXPECT_EQ(simplices.Get(1), (UpSimplex3{{0, 0, -1, Below(-5)}}));
 
   // One point, and two.
   const double x[] = {1, 4, 0};
@@ -260,8 +257,7 @@ TEST(FitManyKnownTest, EveryKindOfSourceAndOfPlanes) {
   const std::array<std::size_t, 2> ends = {1, 3};
   AabbWorld3 box_world;
   box_world.Resize(2);
-  BoundPointSets(PointsSoa<3, double>{{x, y, y}, 3}, ends, box_world.planes(),
-                 options);
+  BoundPointSets(PointsSoa<3, double>{{x, y, y}, 3}, ends, box_world.planes());
   EXPECT_EQ(box_world.Get(0), (Aabb3{{1, 2, 2}, {1, 2, 2}}));
   EXPECT_EQ(box_world.Get(1), (Aabb3{{0, -5, -5}, {4, 0, 0}}));
 

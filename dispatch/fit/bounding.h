@@ -1,8 +1,8 @@
-// Bounds from exact projections, for all single builders.
+// Bounds from projections, for all single builders.
 //
 // Only for translation units compiled without fast-math and contraction.
-#ifndef HALFSPACE_DISPATCH_EXACT_EXACT_BOUND_H_
-#define HALFSPACE_DISPATCH_EXACT_EXACT_BOUND_H_
+#ifndef HALFSPACE_DISPATCH_FIT_BOUNDING_H_
+#define HALFSPACE_DISPATCH_FIT_BOUNDING_H_
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,7 @@
 #include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/number_checks.h"
-#include "dispatch/exact/outward.h"
+#include "dispatch/outward.h"
 #include "halfspace/bounds.h"
 #include "halfspace/fit_status.h"
 #include "kernels/compiler.h"
@@ -51,33 +51,29 @@ bool CanBeBounded(const Coords& point) {
   return guard.CanBeBounded();
 }
 
-constexpr ExactSum Negated(const ExactSum& sum) {
-  return {-sum.value, -sum.rest};
-}
-
-// D = -(x + y + ...) of a point, exactly.
+// D = -(x + y + ...) of a point.
 template <typename Coords>
-ExactSum ExactD(const Coords& point) {
-  std::array<double, std::tuple_size_v<Coords>> terms;
-  std::copy(point.begin(), point.end(), terms.begin());
-  return Negated(SumExactly(terms));
+OutwardSum DOf(const Coords& point) {
+  OutwardSum sum(point[0]);
+  for (std::size_t k = 1; k < point.size(); ++k) sum.Add(point[k]);
+  return -sum;
 }
 
-// The running minimum and maximum of one projection. Sums that double holds
+// The running minimum and maximum of one projection. Numbers that double holds
 // exactly are compared as they are and rounded once at the end.
-class ExactRange {
+class AxisRange {
  public:
-  void Add(const ExactSum& sum) {
-    if (sum.rest == 0.0) {
-      min_ = std::min(min_, sum.value);
-      max_ = std::max(max_, sum.value);
-    } else {
-      min_ = std::min<double>(min_, RoundDown(sum));
-      max_ = std::max<double>(max_, RoundUp(sum));
-    }
+  void Add(double exact) {
+    min_ = std::min(min_, exact);
+    max_ = std::max(max_, exact);
   }
-  float min() const { return RoundDown({min_, 0.0}); }
-  float max() const { return RoundUp({max_, 0.0}); }
+  void Add(const OutwardSum& sum) {
+    if (sum.error() == 0.0) return Add(sum.value());
+    min_ = std::min<double>(min_, sum.Down());
+    max_ = std::max<double>(max_, sum.Up());
+  }
+  float min() const { return RoundDown(min_); }
+  float max() const { return RoundUp(max_); }
 
  private:
   double min_ = std::numeric_limits<double>::infinity();
@@ -86,16 +82,19 @@ class ExactRange {
 
 // One range per axis; D, the last, like the others.
 template <int kDims>
-class ExactRanges {
+class AxisRanges {
  public:
   static constexpr std::size_t kAxes = kDims + 1;
 
-  void Add(std::size_t axis, const ExactSum& sum) { ranges_[axis].Add(sum); }
+  template <typename Number>
+  void Add(std::size_t axis, const Number& number) {
+    ranges_[axis].Add(number);
+  }
 
   template <typename Coords>
   void AddPoint(const Coords& point) {
-    for (std::size_t k = 0; k < kDims; ++k) Add(k, {point[k], 0.0});
-    Add(kDims, ExactD(point));
+    for (std::size_t k = 0; k < kDims; ++k) Add(k, double{point[k]});
+    Add(kDims, DOf(point));
   }
 
   Aabo<kDims> Bound() const {
@@ -108,7 +107,7 @@ class ExactRanges {
   }
 
  private:
-  std::array<ExactRange, kAxes> ranges_;
+  std::array<AxisRange, kAxes> ranges_;
 };
 
 // Not inlined, because the code that makes the text is long.
@@ -153,4 +152,4 @@ auto Build(FitStatus* status, const TryBound& try_bound) {
 
 }  // namespace halfspace::dispatch
 
-#endif  // HALFSPACE_DISPATCH_EXACT_EXACT_BOUND_H_
+#endif  // HALFSPACE_DISPATCH_FIT_BOUNDING_H_
