@@ -192,22 +192,29 @@ HWY_INLINE hn::Mask<D> IsCertain(D d, VI sum, VI most) {
   return hn::Gt(hn::Abs(hn::BitCast(d, sum)), slack);
 }
 
-template <size_t, class T>
-struct EachOf {
-  using Type = T;
-};
+// The argument with this number.
+template <size_t kNumber, class V, class... More>
+HWY_INLINE V& Nth(V& v, More&... more) {
+  if constexpr (kNumber == 0) {
+    return v;
+  } else {
+    return Nth<kNumber - 1>(more...);
+  }
+}
 
 // The objects of several vectors that are behind a half-space. `unknown` are
-// those that HalfSpaceWord() has to decide about.
-template <size_t kTerms, bool kIsShared, bool kIsSphere, class VI,
-          size_t... kVector, class D>
+// those that HalfSpaceWord() has to decide about. `v` is the least sums of each
+// vector, from the greatest integer on, then the greatest sizes, from 0 on.
+template <size_t kTerms, bool kIsShared, bool kIsSphere, size_t... kVector,
+          class D, class... V>
 HWY_INLINE uint64_t BehindBits(std::index_sequence<kVector...>, D d,
                                const float* const* planes,
                                const FrontTest* tests,
                                const detail::HalfSpaceQuery& query, size_t i,
-                               size_t* exits, uint64_t& unknown,
-                               typename EachOf<kVector, VI>::Type... least,
-                               typename EachOf<kVector, VI>::Type... most) {
+                               size_t* exits, uint64_t& unknown, V... v) {
+  using VI = hn::Vec<hn::RebindToSigned<D>>;
+  constexpr size_t kVectors = sizeof...(kVector);
+  static_assert(sizeof...(V) == 2 * kVectors);
   const hn::RebindToSigned<D> di;
   constexpr std::make_index_sequence<kTerms - (kIsSphere ? 1 : 0)> kNumbers;
   const size_t lanes = hn::Lanes(d);
@@ -218,15 +225,18 @@ HWY_INLINE uint64_t BehindBits(std::index_sequence<kVector...>, D d,
   constexpr bool kMeasuresLast = kIsShared || !HWY_NATIVE_FMA;
   size_t f = 0;
   if (query.has_size) {
-    ((most = hn::BitCast(di, hn::Set(d, query.size))), ...);
+    ((Nth<kVectors + kVector>(v...) = hn::BitCast(di, hn::Set(d, query.size))),
+     ...);
   } else if (!kMeasuresLast && query.is_paired) {
     for (; f < 2; ++f) {
       (AddSum<true, false>(kNumbers, d, tests[f].plane, tests[f],
-                           i + kVector * lanes, least, most),
+                           i + kVector * lanes, Nth<kVector>(v...),
+                           Nth<kVectors + kVector>(v...)),
        ...);
     }
   } else if (!kMeasuresLast) {
-    ((most = SizeOf<kTerms, false>(d, planes, query, i + kVector * lanes)),
+    ((Nth<kVectors + kVector>(v...) =
+          SizeOf<kTerms, false>(d, planes, query, i + kVector * lanes)),
      ...);
   }
   const auto certain = [&](size_t vector, VI sum, VI size) HWY_ATTR {
@@ -237,32 +247,37 @@ HWY_INLINE uint64_t BehindBits(std::index_sequence<kVector...>, D d,
   };
   const auto check = [&]() HWY_ATTR {
     auto all = hn::FirstN(d, lanes);
-    ((all = hn::And(all, certain(kVector, least, most))), ...);
+    ((all = hn::And(all, certain(kVector, Nth<kVector>(v...),
+                                 Nth<kVectors + kVector>(v...)))),
+     ...);
     return hn::AllTrue(d, all);
   };
   bool is_certain = false;
   for (; f < count; ++f) {
     (AddSum<false, kIsSphere>(kNumbers, d, tests[kIsShared ? 0 : f].plane,
-                              tests[f], i + kVector * lanes, least, most),
+                              tests[f], i + kVector * lanes, Nth<kVector>(v...),
+                              Nth<kVectors + kVector>(v...)),
      ...);
     if (exits == nullptr || f != count / 2 || f + 1 == count ||
-        AllNegative(di, least...) != of_vector) {
+        AllNegative(di, Nth<kVector>(v...)...) != of_vector) {
       continue;
     }
     is_certain = check();
     if (is_certain) {
-      *exits += sizeof...(kVector) * lanes;
+      *exits += kVectors * lanes;
       break;
     }
   }
   unknown = 0;
   if (HWY_UNLIKELY(!is_certain && !check())) {
-    ((unknown |= (~LaneBits(d, certain(kVector, least, most)) & of_vector)
+    ((unknown |= (~LaneBits(d, certain(kVector, Nth<kVector>(v...),
+                                       Nth<kVectors + kVector>(v...))) &
+                  of_vector)
                  << (kVector * lanes)),
      ...);
   }
-  return (... |
-          (LaneBits(di, hn::Lt(least, hn::Zero(di))) << (kVector * lanes)));
+  return (... | (LaneBits(di, hn::Lt(Nth<kVector>(v...), hn::Zero(di)))
+                 << (kVector * lanes)));
 }
 
 // As many vectors are tested together as registers hold: each factor is read
@@ -290,14 +305,14 @@ HWY_INLINE uint64_t FrontWord(const float* const* planes,
     uint64_t bits;
     uint64_t some;
     if constexpr (kVectors == 1) {
-      bits = BehindBits<kTerms, kIsShared, kIsSphere, VI>(
+      bits = BehindBits<kTerms, kIsShared, kIsSphere>(
           kNumbers, d, planes, tests, query, i + l, exits, some, least, zero);
     } else if constexpr (kVectors == 2) {
-      bits = BehindBits<kTerms, kIsShared, kIsSphere, VI>(
+      bits = BehindBits<kTerms, kIsShared, kIsSphere>(
           kNumbers, d, planes, tests, query, i + l, exits, some, least, least,
           zero, zero);
     } else {
-      bits = BehindBits<kTerms, kIsShared, kIsSphere, VI>(
+      bits = BehindBits<kTerms, kIsShared, kIsSphere>(
           kNumbers, d, planes, tests, query, i + l, exits, some, least, least,
           least, least, zero, zero, zero, zero);
     }
