@@ -1,6 +1,7 @@
 # `cpack` of a build by the preset debian: a Debian package for each component, as
 # Debian's own are named and divided. scripts/debs.sh makes them, checks them and
-# tries them in an empty Debian.
+# tries them in an empty Debian. The variables of cpack also make the source package
+# (HalfspaceDebianSource.cmake).
 
 foreach(program dpkg dpkg-shlibdeps gzip)
   string(MAKE_C_IDENTIFIER "HALFSPACE_${program}" variable)
@@ -46,13 +47,14 @@ set(CPACK_COMPONENTS_ALL "")
 # What every package has in its folder of /usr/share/doc.
 set(debian_folder "${PROJECT_BINARY_DIR}/debian")
 string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
-file(WRITE "${debian_folder}/changelog"
+set(changelog
 "halfspace (${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}) unstable; urgency=medium
 
   * Version ${PROJECT_VERSION}. CHANGELOG.md of the sources lists the changes.
 
  -- ${maintainer}  ${date}
 ")
+file(WRITE "${debian_folder}/changelog" "${changelog}")
 # Without a name and a time, so that the same sources make the same file.
 execute_process(COMMAND "${HALFSPACE_GZIP}" -9nf "${debian_folder}/changelog"
                 COMMAND_ERROR_IS_FATAL ANY)
@@ -64,6 +66,7 @@ function(halfspace_add_deb component package section summary description)
   file(READ "${PROJECT_SOURCE_DIR}/LICENSE" text)
   string(PREPEND text "halfspace ${PROJECT_VERSION}\n\n")
   set(libraries "")
+  set(files "")
   if(arg_LICENCES)
     halfspace_find_licences(libraries files ${arg_LICENCES})
   endif()
@@ -154,7 +157,7 @@ if(TARGET halfspace_python)
 NumPy."
     LICENCES ${highway} "*/include/pybind11/pybind11.h")
   set(CPACK_DEBIAN_PYTHON3_HALFSPACE_PACKAGE_DEPENDS
-    "python3 (>= ${python}), python3 (<< ${Python_VERSION_MAJOR}.${next}), python3-numpy")
+    "python3-numpy, python3 (>= ${python}), python3 (<< ${Python_VERSION_MAJOR}.${next})")
   set(CPACK_DEBIAN_PYTHON3_HALFSPACE_PACKAGE_SUGGESTS "python3-distributed")
   # The compiled files of Python, as Debian's packages make and remove them.
   file(WRITE "${debian_folder}/postinst" "#!/bin/sh
@@ -175,4 +178,5 @@ py3clean -p python3-halfspace
           FILES_MATCHING PATTERN "*.py" PATTERN "*.pyi" PATTERN py.typed)
 endif()
 
+include(HalfspaceDebianSource)
 include(CPack)

@@ -6,23 +6,28 @@ source "$root/scripts/steps.sh"
 source "$root/scripts/packages.sh"
 source "$root/scripts/build.sh"
 
-usage='usage: scripts/debs.sh
+usage='usage: scripts/debs.sh [--source [ARCHITECTURE...]]
 
 Makes the Debian packages in build/debian/packages, and checks them with lintian. Then
 installs each in an empty Debian of the same release, in a temporary folder, and runs
 what it contains there. Runs the lines at the top of the README in another one. Needs
-root, and installs what is missing on this machine.'
+root, and installs what is missing on this machine.
 
-if [ $# -gt 0 ]; then
-  case $1 in
-    -h | --help)
-      printf '%s\n' "$usage"
-      exit 0
-      ;;
-  esac
-  say "scripts/debs.sh: \"$1\" is no argument of it, as there are none."
-  exit 2
-fi
+  --source  makes a source package of the commit instead, in build/debian/source. Builds it
+            twice in an empty Debian, compares the files, and checks them with lintian. Then
+            cross-builds it for each ARCHITECTURE of Debian, as in armhf s390x'
+
+case ${1-} in
+  "" | --source) ;;
+  -h | --help)
+    printf '%s\n' "$usage"
+    exit 0
+    ;;
+  *)
+    say "scripts/debs.sh: \"$1\" is no argument of it. $usage"
+    exit 2
+    ;;
+esac
 if [ "$(id -u)" -ne 0 ]; then
   say "This needs root, to change into the empty Debian. Run: sudo scripts/debs.sh"
   exit 1
@@ -35,22 +40,28 @@ trap 'rm -rf --one-file-system "$empty"' EXIT
 prepare_machine dpkg-dev file gzip lintian mmdebstrap \
   pybind11-dev python3-dev python3-numpy
 debs=$root/build/debian/packages
-rm -rf "$debs"
-build_preset debian
-step "cpack" cpack --config "$root/build/debian/CPackConfig.cmake" -B "$debs"
 # The version was never uploaded to Debian, so it closes no bug there. cpack writes
 # scripts that call ldconfig, which the trigger does as well.
-step "lintian" lintian --allow-root --fail-on error,warning \
-  --suppress-tags initial-upload-closes-no-bugs,maintscript-calls-ldconfig \
-  "$debs"/*.deb
+check() {
+  step "lintian" lintian --allow-root --fail-on error,warning \
+    --suppress-tags initial-upload-closes-no-bugs,maintscript-calls-ldconfig "$@"
+}
+if [ $# -eq 0 ]; then
+  rm -rf "$debs"
+  build_preset debian
+  step "cpack" cpack --config "$root/build/debian/CPackConfig.cmake" -B "$debs"
+  check "$debs"/*.deb
+fi
 
+release=$(. /etc/os-release && echo "$VERSION_CODENAME")
+# Without security updates, which fewer architectures have: a library that is installed for
+# two of them has the same version for both.
+mirror=()
+if [ $# -gt 0 ]; then mirror=(http://deb.debian.org/debian); fi
 step "an empty Debian" mmdebstrap --quiet --variant=apt --mode=root \
   --skip=cleanup/apt/lists --dpkgopt=force-unsafe-io \
-  "$(. /etc/os-release && echo "$VERSION_CODENAME")" "$empty/debian"
+  "$release" "$empty/debian" "${mirror[@]}"
 mkdir "$empty/debian/try"
-cp -a "$empty/debian" "$empty/readme"
-cp -r "$debs"/*.deb "$root/tests/package/consumer" "$root/examples/quick_start.cc" \
-  "$empty/debian/try"
 
 # try NAME [FOLDER]: runs the commands of stdin in the empty Debian. There `install` installs
 # packages, or files of packages, with what they depend on.
@@ -66,6 +77,64 @@ try() {
     /bin/bash -euo pipefail /try/commands
 }
 
+if [ $# -gt 0 ]; then
+  shift
+  native=$(dpkg --print-architecture)
+  debs=$root/build/debian/source
+  rm -rf "$debs"
+  mkdir -p "$debs"
+  # The changelog has the time of the commit.
+  step "configure debian" env SOURCE_DATE_EPOCH="$(git -C "$root" log -1 --format=%ct)" \
+    cmake -S "$root" --preset debian
+  written=$root/build/debian/debian/source/debian
+  version=$(dpkg-parsechangelog -l "$written/changelog" -S Version)
+  archive=$debs/halfspace_${version%-*}.orig.tar.gz
+  "$root/packaging/source_archive.py" "$archive"
+
+  # build FOLDER ARCHITECTURE: each folder has another path, which no package may contain.
+  # Debian 12 has no packages for riscv64: -d builds the library alone, with the C library
+  # of the cross compiler.
+  build() {
+    local sources=$empty/debian/try/$1/$1 cross=
+    mkdir -p "$sources"
+    cp "$archive" "$sources/.."
+    tar -xzf "$archive" -C "$sources" --strip-components=1
+    cp -r "$written" "$sources/debian"
+    if [ "$2" != "$native" ]; then cross="-a$2 -Pcross,nocheck"; fi
+    try "build $1" <<END
+dpkg --add-architecture $2
+apt-get -q update
+install build-essential
+cross='$cross'
+if apt-get -q -y --no-install-recommends build-dep \$cross ./$1/$1; then
+  [ -z "\$cross" ] || install crossbuild-essential-$2
+else
+  cross="-d -a$2 -Pstage1,cross,nocheck"
+  install cmake debhelper ninja-build g++-$2-linux-gnu
+fi
+[ -z "\$cross" ] || export DEB_BUILD_OPTIONS=nocheck
+cd $1/$1
+dpkg-buildpackage -us -uc \${cross:+-b \$cross}
+END
+  }
+  build one "$native"
+  build another "$native"
+  for file in "$empty/debian/try/one"/*.{deb,dsc,tar.*}; do
+    step "compare ${file##*/}" cmp "$file" "$empty/debian/try/another/${file##*/}"
+  done
+  cp "$empty/debian/try/one"/halfspace*.* "$empty/debian/try/one"/*.deb "$debs"
+  for architecture in "$@"; do
+    build "$architecture" "$architecture"
+    cp "$empty/debian/try/$architecture"/*.{buildinfo,changes,deb} "$debs"
+  done
+  check "$debs"/*.changes
+  say "The source package and its packages are in $debs"
+  exit
+fi
+
+cp -a "$empty/debian" "$empty/readme"
+cp -r "$debs"/*.deb "$root/tests/package/consumer" "$root/examples/quick_start.cc" \
+  "$empty/debian/try"
 mkdir "$empty/readme/try/halfspace"
 tar -C "$root" --exclude=./build --exclude=./.git -c . |
   tar -C "$empty/readme/try/halfspace" -x
