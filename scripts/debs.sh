@@ -57,7 +57,9 @@ release=$(. /etc/os-release && echo "$VERSION_CODENAME")
 # Without security updates, which fewer architectures have: a library that is installed for
 # two of them has the same version for both.
 mirror=()
-if [ $# -gt 0 ]; then mirror=(http://deb.debian.org/debian); fi
+if [ $# -gt 0 ]; then
+  mapfile -t mirror < <(apt-get indextargets --format '$(SITE)' "Codename: $release" | sort -u)
+fi
 step "an empty Debian" mmdebstrap --quiet --variant=apt --mode=root \
   --skip=cleanup/apt/lists --dpkgopt=force-unsafe-io \
   "$release" "$empty/debian" "${mirror[@]}"
