@@ -102,8 +102,8 @@ class OutwardSum {
   OutwardSum DividedBy(double divisor) const {
     const double quotient = value_ / divisor;
     const double rest = std::fma(-quotient, divisor, value_);
-    return OutwardSum(quotient,
-                      (std::fabs(rest) + error_) / divisor + LostBelow(value_));
+    return OutwardSum(quotient, (std::fabs(rest) + error_) / divisor +
+                                    (value_ == 0.0 ? 0.0 : LostBelow(value_)));
   }
 
   float Down() const {

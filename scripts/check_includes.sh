@@ -4,8 +4,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-# A folder, and what its files may include by a path in quotes. `dispatch/exact` names the
-# errors of `dispatch/errors`.
+# A folder, and what its files may include by a path in quotes.
 rules='
 include    halfspace/|hwy/
 kernels    halfspace/|hwy/|kernels/

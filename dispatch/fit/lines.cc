@@ -1,5 +1,4 @@
 // Rays, and long segments in pieces.
-#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>

@@ -1,6 +1,5 @@
 // Solids: boxes, spheres, capsules.
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <optional>
 

@@ -13,8 +13,8 @@
 // The result is an Aabo (an 8-DOP in 3D). Use its up() for the objects of a
 // simplex world, its down() for the queries, and its aabb() for a box. Shapes
 // are of floats (Segment3) or doubles (Segment<3, double>). Bounds are of
-// floats in both cases. transform.h builds bounds from
-// bounds (moving bodies), fit_many.h bounds many shapes at once.
+// floats in both cases. transform.h builds bounds from bounds (moving bodies),
+// fit_many.h bounds many shapes at once.
 //
 // Tightness, here, in transform.h and in fit_many.h: X, Y and Z of points and
 // boxes of floats are copied. Every other value is at most one float looser
@@ -37,8 +37,7 @@
 // raise exception flags, and clears none.
 //
 // Cost: tens to hundreds of ns, and about 5 ns per point of a set
-// (`./bench.sh --details build`). Doubles take up to twice as long, and up to
-// four times in pieces.
+// (`./bench.sh --details build`). Doubles take up to twice as long.
 //
 // Source: "The Bounding Simplex", for the axes. The outward rounding is this
 // library's own.

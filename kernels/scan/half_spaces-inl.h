@@ -10,7 +10,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
 #include <utility>
 
 #include "hwy/highway.h"
@@ -182,8 +181,9 @@ HWY_INLINE uint64_t AllNegative(D d, V sums, Vs... more) {
 }
 
 // Whether each sum is so far from 0 that its sign is the verdict; of a NaN it
-// is not. An infinite one is not either, because another sum of the object may
-// have been a NaN, which is the least only on some machines.
+// is not. If the size is that of the object, an infinite one is not either,
+// because another sum may have been a NaN, which is the least only on some
+// machines. With a box around the region, infinite products are positive.
 template <class D, class VI>
 HWY_INLINE hn::Mask<D> IsCertain(D d, VI sum, VI most) {
   const auto slack =
@@ -223,8 +223,9 @@ HWY_INLINE uint64_t BehindBits(std::index_sequence<kVector...>, D d,
   // Planes that all sums share are measured after them, while registers hold
   // them. Without fused operations the sums leave no registers for it.
   constexpr bool kMeasuresLast = kIsShared || !HWY_NATIVE_FMA;
+  const bool has_size = !kIsShared && query.has_size;
   size_t f = 0;
-  if (query.has_size) {
+  if (has_size) {
     ((Nth<kVectors + kVector>(v...) = hn::BitCast(di, hn::Set(d, query.size))),
      ...);
   } else if (!kMeasuresLast && query.is_paired) {
@@ -240,7 +241,7 @@ HWY_INLINE uint64_t BehindBits(std::index_sequence<kVector...>, D d,
      ...);
   }
   const auto certain = [&](size_t vector, VI sum, VI size) HWY_ATTR {
-    if (kMeasuresLast && !query.has_size) {
+    if (kMeasuresLast && !has_size) {
       size = SizeOf<kTerms, kIsShared>(d, planes, query, i + vector * lanes);
     }
     return IsCertain(d, sum, size);

@@ -318,6 +318,9 @@ TEST(OutwardSumTest, IsExactIfDoublesAre) {
   const OrientedBox3 box = {
       {1, 2, 3}, {{{0, 1, 0}, {-1, 0, 0}, {0, 0, 1}}}, {1, 2, 3}};
   EXPECT_EQ(BoundOrientedBox(box), (Aabo3{{-1, 1, 0, -12}, {3, 3, 6, 0}}));
+  std::array<Aabo3, 3> pieces;
+  BoundSegmentPieces(Segment3{{0, 0, 0}, {3, -3, 0}}, pieces);
+  EXPECT_EQ(pieces[1], (Aabo3{{1, -2, 0, 0}, {2, -1, 0, 0}}));
 }
 
 }  // namespace
