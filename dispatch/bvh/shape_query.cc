@@ -244,14 +244,25 @@ HalfSpaceTest TestOf(const PlaneLayout& planes, const float* normal,
 
 }  // namespace
 
-HalfSpaceTest MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
-                                float offset) {
+void MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
+                       float offset, HalfSpaceTest& test) {
+  const bool is_2d = planes.dims == 2;
   if (planes.has_max) {
-    return (planes.dims == 2 ? TestOf<2, true>
-                             : TestOf<3, true>)(planes, normal, offset);
+    if ((is_2d ? TrySetTest<2, false> : TrySetTest<3, false>)(planes, normal,
+                                                              offset, test)) {
+      return;
+    }
+  } else if (planes.kind == PlaneLayout::kSphere) {
+    if ((is_2d ? TrySetTest<2, true> : TrySetTest<3, true>)(planes, normal,
+                                                            offset, test)) {
+      return;
+    }
   }
-  return (planes.dims == 2 ? TestOf<2, false>
-                           : TestOf<3, false>)(planes, normal, offset);
+  const auto make = planes.has_max
+                        ? (is_2d ? &TestOf<2, true> : &TestOf<3, true>)
+                        : (is_2d ? &TestOf<2, false> : &TestOf<3, false>);
+  // Constructed in place, because a copy would wait for the stores.
+  new (&test) HalfSpaceTest(make(planes, normal, offset));
 }
 
 namespace {
@@ -304,20 +315,7 @@ void MakeHalfSpaceTests(const PlaneLayout& planes, const float* half_spaces,
         AddToBox(normal, offset, planes.dims, tests)) {
       tests.box_dims = planes.dims;
     } else {
-      HalfSpaceTest& test = tests.test[tests.count++];
-      const bool is_set =
-          is_sphere
-              ? (planes.dims == 2
-                     ? TrySetTest<2, true>
-                     : TrySetTest<3, true>)(planes, normal, offset, test)
-              : planes.has_max &&
-                    (planes.dims == 2
-                         ? TrySetTest<2, false>
-                         : TrySetTest<3, false>)(planes, normal, offset, test);
-      // Constructed in place, because a copy would wait for the stores.
-      if (!is_set) {
-        new (&test) HalfSpaceTest(MakeHalfSpaceTest(planes, normal, offset));
-      }
+      MakeHalfSpaceTest(planes, normal, offset, tests.test[tests.count++]);
     }
   }
 }

@@ -295,10 +295,9 @@ class Prepared {
     AddHalfSpace(up, opposite_offset);
   }
 
-  // Constructed in place, because a copy would wait for the stores.
   void AddHalfSpace(const float* normal, float offset) {
-    new (&half_spaces_.test[half_spaces_.count++])
-        HalfSpaceTest(MakeHalfSpaceTest(world_, normal, offset));
+    MakeHalfSpaceTest(world_, normal, offset,
+                      half_spaces_.test[half_spaces_.count++]);
   }
 
   // Uses the bound of a point or a sphere. Other shapes use Everything().

@@ -55,22 +55,22 @@ void MakeHalfSpaceQuery(const PlaneLayout& layout, const ShapeScan& shape,
   }
   query.near_dims = 0;
   const bool is_near = shape.low != nullptr;
-  query.has_size = false;
+  // Also for NaN. Of a sphere that touches the box the center is anywhere.
+  query.size = std::numeric_limits<float>::infinity();
   if (!is_near && tests.box_dims == 0) return;
-  query.size = 0;
+  float size = 0;
   for (std::size_t k = 0; k < layout.dims; ++k) {
     const float low = is_near ? shape.low[k] : tests.low[k];
     const float high = is_near ? shape.high[k] : tests.high[k];
     query.box[k] = low;
     query.box[layout.dims + k] = high;
-    query.size = std::max({query.size, std::abs(low), std::abs(high)});
+    size = std::max({size, std::abs(low), std::abs(high)});
   }
-  // Of a sphere that touches the box the center is anywhere.
   if (layout.kind != PlaneLayout::kSphere) {
     for (std::size_t f = 0; f < tests.count; ++f) {
-      query.size = std::max(query.size, -tests.test[f].offset);
+      size = std::max(size, -tests.test[f].offset);
     }
-    query.has_size = query.size < std::numeric_limits<float>::infinity();
+    query.size = size;
     return;
   }
   query.near_dims = layout.dims;

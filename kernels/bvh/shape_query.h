@@ -108,8 +108,8 @@ void MakeBall(const PlaneLayout& planes, const float* low, const float* high,
 // touched if the box touches it on each axis by itself, D included.
 void MakeLine(const PlaneLayout& planes, const double* low, const double* high,
               const double* direction, float max_t, float radius, Line& line);
-HalfSpaceTest MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
-                                float offset);
+void MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
+                       float offset, HalfSpaceTest& test);
 // Makes the tests of a list of half-spaces, each a normal and an offset.
 void MakeHalfSpaceTests(const PlaneLayout& planes, const float* half_spaces,
                         std::size_t count, HalfSpaceTests& tests);

@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "hwy/highway.h"
@@ -137,8 +138,7 @@ HWY_INLINE VI GreaterSize(VI most, V value) {
 // Lowers `least` to the sums of a vector, and with kMeasures raises `most` to
 // the magnitudes that it reads. Sums are compared as integers, because few
 // cores compare and multiply floats at the same time. Of several negative sums
-// the nearest to 0 is the least. A NaN is the least only beside sums of the
-// other sign, or other NaNs.
+// the nearest to 0 is the least. A NaN is never less than a number of its sign.
 template <bool kMeasures, bool kIsSphere, size_t... kTerm, class D, class VI>
 HWY_INLINE void AddSum(std::index_sequence<kTerm...>, D d,
                        const float* const* planes, const FrontTest& test,
@@ -180,10 +180,10 @@ HWY_INLINE uint64_t AllNegative(D d, V sums, Vs... more) {
   return LaneBits(d, hn::Lt(sums, hn::Zero(d)));
 }
 
-// Whether each sum is so far from 0 that its sign is the verdict; of a NaN it
-// is not. If the size is that of the object, an infinite one is not either,
-// because another sum may have been a NaN, which is the least only on some
-// machines. With a box around the region, infinite products are positive.
+// Whether each sum is so far from 0 that its sign is the verdict. If a number
+// of the object is NaN or infinite, no sum is: another one may have been a NaN,
+// which is the least only on some machines. With a box around the region,
+// `most` is of the box, and infinite products are positive.
 template <class D, class VI>
 HWY_INLINE hn::Mask<D> IsCertain(D d, VI sum, VI most) {
   const auto slack =
@@ -223,7 +223,8 @@ HWY_INLINE uint64_t BehindBits(std::index_sequence<kVector...>, D d,
   // Planes that all sums share are measured after them, while registers hold
   // them. Without fused operations the sums leave no registers for it.
   constexpr bool kMeasuresLast = kIsShared || !HWY_NATIVE_FMA;
-  const bool has_size = !kIsShared && query.has_size;
+  const bool has_size =
+      !kIsShared && query.size < std::numeric_limits<float>::infinity();
   size_t f = 0;
   if (has_size) {
     ((Nth<kVectors + kVector>(v...) = hn::BitCast(di, hn::Set(d, query.size))),

@@ -28,10 +28,9 @@ struct HalfSpaceQuery {
   std::uint8_t near_dims;
   std::uint32_t radius_plane;  // of spheres; else a number of no plane
   float radius;
-  // The greatest number of the box and of the negative offsets, if bounds that
-  // touch the box need no other.
+  // The greatest number of the box and of the negative offsets, for bounds that
+  // touch the box. Infinity if it depends on the bounds.
   float size;
-  bool has_size;
   // The first two tests read all planes.
   bool is_paired;
   // Numbers of the tests that can reject.

@@ -233,9 +233,8 @@ struct Outcome {
 Outcome Try(const Builder& builder, const Shape& shape,
             const FitStatus& before = {.results = kCountedBefore});
 
-// The largest sum of the magnitudes that make up a point, which decides whether
-// the shape can be bounded: that of the point which has all of them with one
-// sign.
+// The largest sum of the magnitudes that make up a point. It decides whether
+// the shape can be bounded. The signs of the numbers do not matter.
 mpq_class WeightOf(const Builder& builder, Shape shape);
 
 // The outcome is an error, Empty(), Everything() or a bound, as it must be. A

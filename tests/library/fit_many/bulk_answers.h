@@ -152,8 +152,9 @@ class BulkAnswers {
                : bulk_.Single(numbers);
   }
 
-  // A bound of doubles is that of the single builder. One of floats has its
-  // special values, and X, Y and Z of points, and else encloses the shape.
+  // A bound of doubles has the bits of the single builder's. A bound of floats
+  // has its special values, and X, Y and Z of points. Its other values enclose
+  // the shape.
   ::testing::AssertionResult IsBoundOfOne(std::size_t i) const {
     const Planes& bound = first_[i];
     const Planes& single = expected_[i];
