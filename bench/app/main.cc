@@ -151,10 +151,9 @@ std::optional<Workload> ReadInput(const BenchOptions& options) {
 
 Report RunTo(std::ostream& out, const BenchOptions& options,
              std::optional<Workload> input) {
-  Progress progress;
+  Progress progress(ThisProgram().name);
   Report report = RunSections(options, std::move(input), progress,
                               options.is_json ? nullptr : &out);
-  progress.Clear();
   if (options.is_json) out << ToJson(report);
   return report;
 }

@@ -72,7 +72,6 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
     needs_verdict |=
         !run.machine.is_emulated && (section.flags & kVerdict) != 0;
   }
-  progress.SetProgram(ThisProgram().name);
   if (needs_verdict) {
     progress.Plan(kVerdictGroup, run.VerdictGroups(), kVerdictGroupSeconds);
   }
@@ -124,7 +123,6 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
       }
     }
   }
-  progress.End();
   progress.Clear();
   for (const Section& section : ThisProgram().sections) {
     for (Table& table : all[section.name]) {

@@ -187,26 +187,19 @@ void KeepResult(std::uint32_t result) { benchmark::DoNotOptimize(result); }
 namespace {
 
 std::vector<Timing> MeasureOnce(const std::vector<Case>& cases,
-                                const Effort& effort, Progress& progress) {
+                                const Effort& effort) {
   std::vector<Timing> timings(cases.size());
-  // Checking and calibrating a case takes about as long as one repetition.
-  const double steps =
-      static_cast<double>(cases.size() * (effort.repetitions + 1));
-  double steps_done = 0.0;
-  const auto step = [&] { progress.Update(++steps_done / steps); };
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const Case& c = cases[i];
     CheckAnswer(c);
     benchmark::RegisterBenchmark(std::to_string(i).c_str(),
-                                 [&c, &step](benchmark::State& state) {
+                                 [&c](benchmark::State& state) {
                                    for (auto _ : state) c.run();
                                    if (c.after) c.after();
-                                   step();
                                  })
         ->Iterations(
             static_cast<benchmark::IterationCount>(IterationsFor(c, effort)))
         ->Repetitions(static_cast<int>(effort.repetitions));
-    step();
     if (i + 1 == cases.size() || cases[i + 1].group != c.group) {
       Collector collector(cases, timings);
       benchmark::RunSpecifiedBenchmarks(&collector);
@@ -224,13 +217,13 @@ std::vector<Timing> MeasureOnce(const std::vector<Case>& cases,
 }  // namespace
 
 std::vector<Timing> Measure(const std::vector<Case>& cases,
-                            const Effort& effort, Progress& progress) {
+                            const Effort& effort) {
   InitializeOnce();
   // A browser compiles a hot function again, 10 times as fast, between the
   // choice of the iterations and the timing.
   constexpr int kTries = 3;
   for (int i = 1;; ++i) {
-    std::vector<Timing> timings = MeasureOnce(cases, effort, progress);
+    std::vector<Timing> timings = MeasureOnce(cases, effort);
     // Ratios of a time of 0 are no numbers.
     const auto without_time = std::find_if(
         timings.begin(), timings.end(),

@@ -12,8 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "bench/base/progress.h"
-
 namespace halfspace::bench {
 
 // A benchmark whose answer was wrong before it was timed.
@@ -93,7 +91,7 @@ double SecondsOf(const std::function<void()>& run);
 // Checks and times the cases, group by group. The timings are in the order of
 // the cases. Throws WrongAnswer, naming the case.
 std::vector<Timing> Measure(const std::vector<Case>& cases,
-                            const Effort& effort, Progress& progress);
+                            const Effort& effort);
 
 // The check of a case: is_right(i) must hold for all i below `count`.
 template <typename IsRight>

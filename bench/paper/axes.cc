@@ -33,7 +33,6 @@ void AddRows(Run& run, const char* name, const NextPoints& next, Table& table) {
     for (std::size_t a : {0, 1}) {
       AddSurvivors(worlds[a].view(), query[a], survivors[a]);
     }
-    run.progress.BeginPart(q, kQueries);
   }
   for (std::size_t a : {0, 1}) {
     for (ShapeKind shape : {ShapeKind::kSimplex, ShapeKind::kAabo}) {

@@ -95,7 +95,6 @@ Tables RunSegments(Run& run) {
       {Key("direction"), Key("length", "%"), Key("pieces"),
        Value("AABB", "", 1), Value("simplex", "", 1), Value("AABO", "", 1)}};
   table.chart = Chart{"pieces", {"AABO"}, "direction", true, true};
-  std::size_t done = 0;
   for (const NamedDirection& direction : kDirections) {
     std::array<PerShape<double>, kPieces.size()> sums;
     for (std::size_t i = 0; i < segments; ++i) {
@@ -113,7 +112,6 @@ Tables RunSegments(Run& run) {
       }
       table.Add(std::move(row));
     }
-    run.progress.BeginPart(++done, kDirections.size());
   }
   table.notes = {Grouped(world.size()) + " objects, " +
                  std::to_string(segments) +

@@ -120,11 +120,7 @@ Table OrdersTable(const Workload& workload) {
 Tables RunTable1(Run& run) {
   const Workload& scene = run.Scene();
   WorkCounter counter(scene.objects.view());
-  std::size_t done = 0;
-  for (const Aabo3& query : scene.queries) {
-    counter.Add(query);
-    run.progress.BeginPart(++done, scene.queries.size());
-  }
+  for (const Aabo3& query : scene.queries) counter.Add(query);
   const WorkCount work = counter.Average();
   Table table{"table1",
               "half-spaces evaluated per object in batches of w, counted",

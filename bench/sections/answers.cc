@@ -26,7 +26,6 @@ namespace {
 constexpr std::array<std::size_t, 5> kStructuresObjects = {100, 1000, 10'000,
                                                            100'000, 1'000'000};
 // The parts of the section: AnswersTable(), and each row of StructuresTable().
-constexpr std::size_t kParts = 1 + kStructuresObjects.size();
 
 // Adds a scan of floats, one of uint8, and a BVH, each of which answers queries
 // with lists of survivors. They are timed per query. Returns the survivors of a
@@ -151,7 +150,6 @@ Table AnswersTable(Run& run) {
               "what to use on this machine",
               {Key("question"), Key("use"), Value("times as fast as"),
                Value("the next best")}};
-  run.progress.BeginPart(0, kParts);
   constexpr std::size_t kMostObjects = std::size_t{1} << 20;
   const AaboWorld3 world = Thinned(
       run.Measured().objects, run.is_quick() ? kMostObjects / 8 : kMostObjects);
@@ -242,10 +240,8 @@ Table StructuresTable(Run& run) {
        Value("quantizing pays from", "", 0), Value("a BVH pays from", "", 0)}};
   table.chart = Chart{
       "objects", {"quantizing pays from", "a BVH pays from"}, "", true, true};
-  std::size_t part = 0;
   for (std::size_t objects : kStructuresObjects) {
     if (run.options.objects != 0 && objects > run.options.objects) continue;
-    run.progress.BeginPart(++part, kParts);
     table.Add(StructuresRow(run, objects));
   }
   // The page needs the answers alone.

@@ -69,21 +69,17 @@ Tables RunBroadPhase(Run& run) {
               {Key("world"), Key("bodies"), Key("what"), Key("by"),
                Lower("time", "us", 3), Higher("times the fastest")}};
   const std::size_t most = run.MostObjects(65536, /*of_quick=*/1024);
-  Parts parts;
   for (const auto frames : {&RunFrames<3>, &RunFrames<2>}) {
     for (BodyKind kind :
          {BodyKind::kGas, BodyKind::kSparse, BodyKind::kPile,
           BodyKind::kLogNormal, BodyKind::kBepu, BodyKind::kFast}) {
       for (std::size_t bodies : UpTo(most, {100, 1024, 4096, 16384, 65536})) {
         for (std::size_t percent : {10, 100}) {
-          parts.emplace_back([&run, &table, frames, kind, bodies, percent] {
-            frames(run, kind, bodies, percent, table);
-          });
+          frames(run, kind, bodies, percent, table);
         }
       }
     }
   }
-  RunParts(run, parts);
   return {table};
 }
 

@@ -281,18 +281,16 @@ Tables RunBuild(Run& run) {
                 "one shape at a time, in 3 dimensions",
                 {Key("call"), Lower("time", "ns")}};
   run.Measured();
-  Parts parts;
   for (const WorkingSetSize& size : run.Reached({"L2", "memory"})) {
     for (const auto add :
          {&AddBuilds<Boxes>, &AddBuilds<Balls>, &AddBuilds<Triangles>}) {
       if (run.is_quick() && size.name == "memory" && add != &AddBuilds<Boxes>) {
         continue;
       }
-      parts.emplace_back([&, size, add] { add(run, size, builds); });
+      add(run, size, builds);
     }
   }
-  parts.emplace_back([&] { AddSingles(run, singles); });
-  RunParts(run, parts);
+  AddSingles(run, singles);
   builds.notes = run.NotReached();
   return {builds, singles};
 }

@@ -369,11 +369,8 @@ Tables RunBvh(Run& run) {
     return MakeUniformBoxes<3>("a", objects, kSide3D, seed);
   };
 
-  Parts parts;
   const auto add = [&](const std::vector<std::size_t>& sizes, auto run_part) {
-    for (std::size_t objects : UpTo(most, sizes)) {
-      parts.emplace_back([run_part, objects] { run_part(objects); });
-    }
+    for (std::size_t objects : UpTo(most, sizes)) run_part(objects);
   };
   add({1000, 10'000, 100'000, 1'000'000},
       [&](std::size_t objects) { RunQueries(run, uniform(objects), table); });
@@ -391,7 +388,6 @@ Tables RunBvh(Run& run) {
       [&](std::size_t objects) { RunJobs(run, uniform(objects), jobs); });
   add({most},
       [&](std::size_t objects) { RunSearches(run, uniform(objects), table); });
-  RunParts(run, parts);
   return {table, jobs};
 }
 

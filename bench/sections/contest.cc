@@ -16,7 +16,7 @@ void Contest::Add(Row keys, Case c, Who who) {
 }
 
 void Contest::Time(const Effort& effort) {
-  timings_ = Measure(cases_, effort, run_.progress);
+  timings_ = Measure(cases_, effort);
   fastest_ = size();
   for (std::size_t i = 0; i < size(); ++i) {
     if (whose_[i] != Who::kOurs &&

@@ -4,7 +4,6 @@
 #define HALFSPACE_BENCH_SECTIONS_CONTEST_H_
 
 #include <cstddef>
-#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -70,15 +69,6 @@ class Contest {
   std::vector<Timing> timings_;
   std::size_t fastest_ = 0;  // size() without competitors
 };
-
-// The parts of a section, one after the other.
-using Parts = std::vector<std::function<void()>>;
-inline void RunParts(Run& run, const Parts& parts) {
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    run.progress.BeginPart(i, parts.size());
-    parts[i]();
-  }
-}
 
 // The sizes up to `most`; if none, that one.
 std::vector<std::size_t> UpTo(std::size_t most, std::vector<std::size_t> sizes);

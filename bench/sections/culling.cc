@@ -254,12 +254,10 @@ Tables RunCulling(Run& run) {
   // As loops by hand need, a multiple of 64.
   std::vector<std::size_t> sizes = {1024, 16'384, 99'968};
   if (!run.is_quick()) sizes.push_back(999'936);
-  std::size_t part = 0;
   for (std::size_t objects : sizes) {
     for (const char* order : {"random", "Morton"}) {
       CullScene scene(objects, order[0] == 'M', random);
       for (const char* bound : {"AABB", "AABO", "sphere"}) {
-        run.progress.BeginPart(part++, 6 * sizes.size());
         for (Target target : run.targets) {
           if (objects > 100'000 && target != run.best()) continue;
           AddCullRows(run, scene, order, cameras, target, bound, table);

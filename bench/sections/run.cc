@@ -137,8 +137,7 @@ ExactTest Run::TheExactTest() {
     c.check = CheckOf(pairs.size(), "touches one way only", [&](std::size_t i) {
       return Touch(pairs[i][0], pairs[i][1]) == Touch(pairs[i][1], pairs[i][0]);
     });
-    exact_test_ = {"triangle-triangle",
-                   Measure({c}, effort, progress).front().Median()};
+    exact_test_ = {"triangle-triangle", Measure({c}, effort).front().Median()};
     KeepResult(static_cast<std::uint32_t>(touching));
   }
   return *exact_test_;

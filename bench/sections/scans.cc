@@ -299,13 +299,8 @@ Tables RunKernels(Run& run) {
               {Key("shape"), Key("set"), Key("target"), Key("schedule"),
                Key("objects"), Value("ns/object", "", 4), Value("GB/s", "", 1),
                Higher("% of reading", "", 0)}};
-  std::size_t part = 0;
-  const std::vector<WorkingSet*> sets = run.Sets({"L1", "L2", "L3", "memory"});
-  for (WorkingSet* set : sets) {
-    for (ShapeKind shape : kShapes) {
-      run.progress.BeginPart(part++, sets.size() * kShapes.size());
-      AddRows(run, *set, shape, table);
-    }
+  for (WorkingSet* set : run.Sets({"L1", "L2", "L3", "memory"})) {
+    for (ShapeKind shape : kShapes) AddRows(run, *set, shape, table);
   }
   table.notes = run.NotReached();
   return {table};
@@ -382,7 +377,6 @@ Tables RunThroughput(Run& run) {
   Contest contest(run, "throughput");
   AddCalls(contest, scene, run.best());
   AddLevels(contest, scene, run.best());
-  run.progress.BeginPart(0, 1);
   contest.Time(run.AtMostRepetitions(5));
   contest.AddTo(table);
   return {table};

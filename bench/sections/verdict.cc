@@ -360,7 +360,6 @@ void Verdict::FindSpans(Run& run, std::map<double, Place>& places) {
       Place& place = places[percent];
       if (place.set == nullptr) place = MakePlace(run, percent);
       if (!place.times.contains(c)) {
-        run.progress.BeginPart(cell_++, cells_);
         place.times[c] = TimePlace(run, place, c, effort_);
       }
       return RatioOf(place.times[c], place.survivors,
@@ -379,16 +378,10 @@ void Verdict::AddGroup(Run& run) {
   std::map<double, Place> places;
   Effort complete = effort_;
   complete.is_complete = true;
-  // The first group guesses how many sizes the bisections need: 4 for each.
-  cells_ = groups_ != 0 ? cell_
-                        : worlds_.size() * columns_.size() +
-                              (is_of_file() ? 0 : 4 * (columns_.size() + 1));
-  cell_ = 0;
   for (VerdictWorld& world : worlds_) {
     Place& place = places[world.percent] = MakePlace(run, world.percent);
     world.survivors.push_back(place.survivors);
     for (std::size_t c = 0; c < columns_.size(); ++c) {
-      run.progress.BeginPart(cell_++, cells_);
       place.times[c] = TimePlace(run, place, c, complete);
       world.times[c].push_back(place.times[c]);
     }

@@ -129,8 +129,6 @@ class Verdict {
   void FindSpans(Run& run, std::map<double, Place>& places);
 
   std::size_t groups_ = 0;
-  std::size_t cell_ = 0;   // cells of the current group that were begun,
-  std::size_t cells_ = 0;  // of about so many
   std::size_t queries_ = 0;
   std::size_t best_column_ = 0;
   std::vector<VerdictColumn> columns_;

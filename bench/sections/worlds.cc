@@ -217,11 +217,9 @@ Tables RunWorlds(Run& run) {
           std::to_string((objects + 63) / 64),
       {Key("world"), Key("queries"), Key("build"), Value("leaves", "", 1),
        Value("over the least", "", 2), Value("query", "us", 3)}};
-  Parts parts;
   for (const UnevenWorld& world : kWorlds) {
-    parts.push_back([&] { RunWorld(run, world, objects, table); });
+    RunWorld(run, world, objects, table);
   }
-  RunParts(run, parts);
   table.notes = {
       "Of boxes in 3 dimensions. A query finds about ten of 100 000. `over the "
       "least` divides the leaves by those of the best of the four builds."};

@@ -1,5 +1,5 @@
 # cpuinfo-bench as its users call it: exit codes and messages, its manuals, and what it
-# does on a terminal and in little memory.
+# does in little memory.
 
 foreach(group IN ITEMS messages runs)
   add_test(NAME cpuinfo-bench.${group}
@@ -7,9 +7,6 @@ foreach(group IN ITEMS messages runs)
             "${CMAKE_CURRENT_BINARY_DIR}/${group}"
             ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:cpuinfo-bench>)
 endforeach()
-add_test(NAME cpuinfo-bench.terminal
-  COMMAND sh "${CMAKE_CURRENT_SOURCE_DIR}/terminal.sh"
-          ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:cpuinfo-bench>)
 add_test(NAME cpuinfo-bench.man_page
   COMMAND sh "${CMAKE_CURRENT_SOURCE_DIR}/man_page.sh"
           "${PROJECT_SOURCE_DIR}/docs/cpuinfo-bench.1"
@@ -18,7 +15,7 @@ add_test(NAME cpuinfo-bench-report.man_page
   COMMAND sh "${CMAKE_CURRENT_SOURCE_DIR}/man_page.sh"
           "${PROJECT_SOURCE_DIR}/docs/cpuinfo-bench-report.1"
           /usr/bin/python3 "${PROJECT_SOURCE_DIR}/bench/cpuinfo-bench-report")
-set_tests_properties(cpuinfo-bench.messages cpuinfo-bench.runs cpuinfo-bench.terminal
+set_tests_properties(cpuinfo-bench.messages cpuinfo-bench.runs
   cpuinfo-bench.man_page cpuinfo-bench-report.man_page
   PROPERTIES LABELS tools SKIP_RETURN_CODE 77)
 if(NOT CMAKE_CROSSCOMPILING AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize=")

@@ -20,7 +20,6 @@
 #include <utility>
 #include <vector>
 
-#include "bench/base/progress.h"
 #include "bench/base/text.h"
 #include "bench/inner/target_loops.h"
 #include "bench/measure/groups.h"
@@ -56,90 +55,7 @@ TEST(MeasureTest, RefusesATimeOfZero) {
   nothing.name = "nothing";
   nothing.items = std::numeric_limits<double>::infinity();
   nothing.run = [] {};
-  Progress progress;
-  EXPECT_THROW(Measure({nothing}, {.repetitions = 1}, progress),
-               std::runtime_error);
-}
-
-// Progress went back, said 5 % for most of a run, and was wrong by a factor of
-// 100. The clock here is a number.
-TEST(EstimateTest, NeverGoesBackAndKnowsTheTimeLeftAfterATenth) {
-  struct Part {
-    std::string kind;
-    double seconds;
-    std::size_t counted = 0;  // of so many parts it says which are over
-  };
-  struct Planned {
-    std::string kind;
-    std::size_t count;
-    double guess;
-  };
-  // As a quick run has them: groups of the verdict, the first of which takes
-  // longer, between sections.
-  std::vector<Part> quick;
-  const auto add_groups = [&](std::size_t count) {
-    for (std::size_t g = 0; g < count; ++g) {
-      quick.push_back(
-          {"group", quick.empty() ? 3.9 : 2.9 + 0.2 * static_cast<int>(g % 4),
-           48});
-    }
-  };
-  add_groups(8);
-  quick.push_back({"threads", 0.7});
-  add_groups(8);
-  quick.push_back({"noise", 1.0});
-  add_groups(1);
-  quick.push_back({"verdict", 0.02});
-  quick.push_back({"answers", 5.6, 6});
-  const std::vector<Planned> of_quick = {{"verdict", 1, 0.1},
-                                         {"answers", 1, 5},
-                                         {"threads", 1, 2},
-                                         {"noise", 1, 0.5},
-                                         {"group", 17, 3}};
-  std::vector<Part> slow = quick;
-  for (Part& part : slow) part.seconds *= 20.0;
-  const std::vector<Part> one = {{"throughput", 300.0, 100}};
-  const std::tuple<std::string, std::vector<Part>, std::vector<Planned>>
-      runs[] = {{"quick", quick, of_quick},
-                {"on a slow machine", slow, of_quick},
-                {"one section, slow", one, {{"throughput", 1, 10}}},
-                {"one section, fast", one, {{"throughput", 1, 7000}}}};
-  for (const auto& [name, parts, planned] : runs) {
-    SCOPED_TRACE(name);
-    Estimate estimate;
-    double total = 0.0;
-    for (const Planned& plan : planned) {
-      estimate.Plan(plan.kind, plan.count, plan.guess);
-    }
-    for (const Part& part : parts) total += part.seconds;
-    double start = 0.0;
-    double done = 0.0;
-    for (const Part& part : parts) {
-      estimate.Begin(part.kind, start);
-      for (double t = 0.0; t < part.seconds; t += 0.1) {
-        const auto counted = static_cast<double>(part.counted);
-        if (part.counted > 0) {
-          estimate.Update(std::floor(t / part.seconds * counted) / counted,
-                          start + t);
-        }
-        const double now = start + t;
-        ASSERT_GE(estimate.Done(now), done) << now;
-        done = estimate.Done(now);
-        ASSERT_LT(done, 1.0) << now;
-        if (now < total / 10.0) continue;
-        ASSERT_TRUE(estimate.is_timed());
-        const double left = total - now;
-        // By a factor of 2, or by a fiftieth of the run near its end.
-        ASSERT_LE(estimate.Left(now), 2.0 * left + total / 50.0) << now;
-        ASSERT_GE(estimate.Left(now), left / 2.0 - total / 50.0) << now;
-        ASSERT_NEAR(done, now / total, 0.25) << now;
-      }
-      start += part.seconds;
-    }
-    estimate.End(start);
-    EXPECT_EQ(estimate.Left(start), 0.0);
-    EXPECT_EQ(estimate.Done(start), 1.0);
-  }
+  EXPECT_THROW(Measure({nothing}, {.repetitions = 1}), std::runtime_error);
 }
 
 // The ceilings of scans and builders: they must move every byte.
