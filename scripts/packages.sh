@@ -10,8 +10,7 @@ build_packages=(
 # What cpuinfo-bench compares the library with, where it is installed.
 # shellcheck disable=SC2034  # for those who source this
 competitor_packages=(
-  libboost-dev libbox2d-dev libbullet-dev libembree-dev libfcl-dev
-  libgeos++-dev)
+  libboost-dev libbox2d-dev libbullet-dev libembree-dev libfcl-dev)
 
 # The libraries that examples have adapters for.
 # shellcheck disable=SC2034
