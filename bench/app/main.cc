@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
@@ -40,35 +39,6 @@ int Fail(const std::string& what, int code) {
 constexpr const char* kNoMemory =
     "not enough memory; free some, raise the limit of ulimit -v, or choose "
     "--quick, fewer --objects or fewer sections by --details";
-
-// What main() cannot catch: exceptions of threads, of the initialisers of
-// shared libraries, and of handlers that need memory.
-[[noreturn]] void OnUncaught() {
-  bool is_out_of_memory = false;
-  try {
-    if (std::current_exception()) throw;
-    // There is no exception if there is no memory for one.
-    void* const volatile spare = std::malloc(1024);
-    is_out_of_memory = spare == nullptr;
-  } catch (const std::bad_alloc&) {
-    is_out_of_memory = true;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "%s: uncaught: %s\n", ThisProgram().name,
-                 error.what());
-  } catch (...) {
-  }
-  if (!is_out_of_memory) std::abort();
-  std::fprintf(stderr, "%s: %s\n", ThisProgram().name, kNoMemory);
-  std::_Exit(kExitFailed);
-}
-
-void CatchAll() { std::set_terminate(OnUncaught); }
-
-#if defined(__ELF__) && defined(__GLIBC__)
-// Runs before the initialisers of shared libraries.
-// NOLINTNEXTLINE(*-avoid-non-const-global-variables)
-[[gnu::section(".preinit_array"), gnu::used]] void (*catch_all)() = CatchAll;
-#endif
 
 // So many that they and their bounds fit the memory.
 MeshLimits LimitsOf(std::size_t memory) {
@@ -206,7 +176,6 @@ int Main(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace halfspace::bench;
-  CatchAll();
   try {
     const int code = Main(argc, argv);
     std::cout.flush();

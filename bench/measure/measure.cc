@@ -6,7 +6,6 @@
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <string_view>
 
 namespace halfspace::bench {
 namespace {
@@ -106,25 +105,6 @@ class Collector : public benchmark::BenchmarkReporter {
   const std::vector<Case>& cases_;
   std::vector<Timing>& timings_;
 };
-
-// Google Benchmark's static initialisers read settings from these variables,
-// and complain of them on standard error: they must be gone before those run.
-#if defined(__GLIBC__)
-void DropBenchmarkVariables(int /*argc*/, char** /*argv*/, char** environment) {
-  char** kept = environment;
-  for (char** each = environment; *each != nullptr; ++each) {
-    const std::string_view variable(*each);
-    if (variable.starts_with("BENCHMARK_") || variable.starts_with("V=")) {
-      continue;
-    }
-    *kept++ = *each;
-  }
-  *kept = nullptr;
-}
-using Initialiser = void (*)(int, char**, char**);
-__attribute__((section(".preinit_array"), used)) const Initialiser kFirst =
-    &DropBenchmarkVariables;
-#endif
 
 // Google Benchmark takes its settings from a command line only.
 void InitializeOnce() {

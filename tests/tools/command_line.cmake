@@ -1,5 +1,4 @@
-# cpuinfo-bench as its users call it: exit codes and messages, its manuals, and what it
-# does in little memory.
+# cpuinfo-bench as its users call it: exit codes and messages, and its manuals.
 
 foreach(group IN ITEMS messages runs)
   add_test(NAME cpuinfo-bench.${group}
@@ -18,8 +17,3 @@ add_test(NAME cpuinfo-bench-report.man_page
 set_tests_properties(cpuinfo-bench.messages cpuinfo-bench.runs
   cpuinfo-bench.man_page cpuinfo-bench-report.man_page
   PROPERTIES LABELS tools SKIP_RETURN_CODE 77)
-if(NOT CMAKE_CROSSCOMPILING AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize=")
-  add_test(NAME cpuinfo-bench.little_memory
-    COMMAND sh "${CMAKE_CURRENT_SOURCE_DIR}/little_memory.sh" $<TARGET_FILE:cpuinfo-bench>)
-  set_tests_properties(cpuinfo-bench.little_memory PROPERTIES LABELS tools)
-endif()
