@@ -5,17 +5,18 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <new>
 #include <optional>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
 
-#include "bench/app/out_file.h"
 #include "bench/app/run.h"
 #include "bench/base/progress.h"
 #include "bench/base/text.h"
@@ -128,6 +129,31 @@ Report RunTo(std::ostream& out, const BenchOptions& options,
   return report;
 }
 
+// Throws UsageError if the file of --out cannot be written, or is also a file
+// to read, under any of its names: before the run rather than after it.
+void CheckOut(const BenchOptions& options) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const std::pair<const char*, std::string> inputs[] = {
+      {"--mesh", options.mesh},
+      {"--bounds", options.bounds},
+      {"--query-bounds", options.query_bounds}};
+  for (const auto& [option, path] : inputs) {
+    if (!path.empty() && fs::is_regular_file(options.out, error) &&
+        fs::equivalent(options.out, path, error)) {
+      throw UsageError("--out " + options.out +
+                       " would overwrite the file of " + option + " " + path +
+                       "; name another file");
+    }
+  }
+  const bool is_new = !fs::exists(options.out, error);
+  // Appending leaves it as it is.
+  if (!std::ofstream(options.out, std::ios::app)) {
+    throw UsageError(options.out + ": cannot be written; choose another file");
+  }
+  if (is_new) fs::remove(options.out, error);
+}
+
 int Main(int argc, char** argv) {
   BenchOptions options;
   if (!ParseOptions(argc, argv, options)) return kExitOk;
@@ -137,7 +163,7 @@ int Main(int argc, char** argv) {
     }
     return kExitOk;
   }
-  CheckOutputs(options);
+  if (!options.out.empty()) CheckOut(options);
   // Builders and refits take no target: they run on the chosen one.
   if (!options.target.empty()) {
 #if defined(_WIN32)
@@ -151,16 +177,19 @@ int Main(int argc, char** argv) {
     return Fail("HALFSPACE_TARGET: " + std::string(choice.error), kExitUsage);
   }
   std::optional<Workload> input = ReadInput(options);
-  std::optional<OutFile> file;
-  if (!options.out.empty()) file.emplace(options.out);
   std::ostringstream text;
   text.exceptions(std::ios::badbit);
   const Report report =
-      RunTo(file ? text : std::cout, options, std::move(input));
-  if (file) {
-    file->Write(text.str());
-  } else {
-    std::cout << std::flush;
+      RunTo(options.out.empty() ? std::cout : text, options, std::move(input));
+  std::cout << std::flush;
+  if (!options.out.empty()) {
+    std::ofstream file(options.out);
+    file << text.str();
+    file.close();
+    if (!file) {
+      throw std::runtime_error(options.out +
+                               ": writing failed; is the disk full?");
+    }
   }
   if (options.is_strict && report.ValueOf("noise") == "noisy") {
     return Fail(
