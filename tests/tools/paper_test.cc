@@ -19,7 +19,6 @@
 #include "bench/paper/volume_set.h"
 #include "bench/paper/work_count.h"
 #include "bench/worlds/random.h"
-#include "bench/worlds/working_set.h"
 #include "bench/worlds/workload.h"
 #include "halfspace/fit.h"
 #include "tests/library/support/environment.h"
@@ -326,33 +325,6 @@ TEST(SceneOfDimensionTest, KeepsAsManyBoxes) {
   const double in_3 = survivors(MakeSceneOf<3>(4000, 500, /*seed=*/1));
   EXPECT_NEAR(survivors(MakeSceneOf<2>(4000, 500, 1)) / in_3, 1.0, 0.4);
   EXPECT_NEAR(survivors(MakeSceneOf<4>(4000, 500, 1)) / in_3, 1.0, 0.4);
-}
-
-// ---- The loops. Objects of two sizes: groups survive every stage, or few do.
-
-TEST(PaperLoopsTest, EveryWayAgreesWithTheReference) {
-  // More than a tile of 4096, and a word more.
-  constexpr std::size_t kObjects = 2 * 4096 + 64;
-  for (double share : {0.01, 0.2}) {
-    WorkingSet set(SceneOfSize(share, kObjects, /*seed=*/5, 16),
-                   {"test", kObjects});
-    for (Target target : testing::TargetsUnderTest()) {
-      const StagedScan scan = PaperLoopsFor(target).staged;
-      if (scan == nullptr) continue;
-      for (Way way : {Way::kFlat, Way::kBranches, Way::kLists}) {
-        for (ShapeKind shape : {ShapeKind::kAabb, ShapeKind::kSimplex}) {
-          for (std::size_t planes : {1u, 2u}) {
-            const auto loop = [=](auto... of) {
-              scan(shape, way, planes, of...);
-            };
-            EXPECT_EQ(set.LoopCase(shape, loop).check(), "")
-                << target.name() << ", " << NameOf(way) << ", " << NameOf(shape)
-                << ", " << planes;
-          }
-        }
-      }
-    }
-  }
 }
 
 }  // namespace
