@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
-#include <cstdio>
-#include <memory>
+#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -12,13 +11,6 @@
 
 namespace halfspace::bench {
 namespace {
-
-constexpr std::size_t kChunk = std::size_t{1} << 16;
-
-struct FileCloser {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using File = std::unique_ptr<std::FILE, FileCloser>;
 
 [[noreturn]] void FailToRead(const std::string& path, int error) {
   throw InputError(path,
@@ -37,35 +29,21 @@ using File = std::unique_ptr<std::FILE, FileCloser>;
                    "give a plain text file");
 }
 
-File Open(const std::string& path) {
-  File file(std::fopen(path.c_str(), "rb"));
-  if (file == nullptr) FailToRead(path, errno);
-  return file;
-}
-
-// Appends at most `most` bytes. False at the end of the file.
-bool Append(const std::string& path, const File& file, std::size_t most,
-            std::string& bytes) {
-  const std::size_t size = bytes.size();
-  bytes.resize(size + most);
-  const std::size_t got = std::fread(bytes.data() + size, 1, most, file.get());
-  if (std::ferror(file.get()) != 0) FailToRead(path, errno);
-  bytes.resize(size + got);
-  return got == most;
-}
-
 }  // namespace
 
 std::string ReadText(const std::string& path) {
-  const File file = Open(path);
+  constexpr std::size_t kChunk = std::size_t{1} << 16;
+  std::ifstream file(path, std::ios::binary);
   std::string text;
-  bool is_more = true;
-  while (is_more) {
+  while (file) {
     const std::size_t size = text.size();
-    is_more = Append(path, file, kChunk, text);
+    text.resize(size + kChunk);
+    file.read(&text[size], kChunk);
+    text.resize(size + static_cast<std::size_t>(file.gcount()));
     const std::size_t nul = text.find('\0', size);
     if (nul != std::string::npos) FailOnNul(path, text, nul);
   }
+  if (!file.eof()) FailToRead(path, errno);
   return text;
 }
 

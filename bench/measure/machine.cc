@@ -115,27 +115,6 @@ std::vector<std::string> IsaOf(const std::string& flags) {
   return isa;
 }
 
-std::string AffinityOf() {
-#if defined(__linux__)
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  if (sched_getaffinity(0, sizeof(set), &set) != 0) return "unknown";
-  std::string list;
-  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
-    if (!CPU_ISSET(cpu, &set)) continue;
-    int last = cpu;
-    while (last + 1 < CPU_SETSIZE && CPU_ISSET(last + 1, &set)) ++last;
-    if (!list.empty()) list += ',';
-    list += std::to_string(cpu);
-    if (last != cpu) list += '-' + std::to_string(last);
-    cpu = last;
-  }
-  return list;
-#else
-  return "unknown";
-#endif
-}
-
 }  // namespace
 
 std::size_t Machine::CacheBytes(int level) const {
@@ -220,7 +199,6 @@ Machine DescribeMachine() {
   machine.is_emulated = !CpuInfo("vendor_id").empty();
 #endif
   machine.cores = static_cast<int>(std::thread::hardware_concurrency());
-  machine.affinity = AffinityOf();
   machine.available_memory = FreeMemory();
   for (const auto& cache : benchmark::CPUInfo::Get().caches) {
     if (cache.type == "Instruction" || cache.size <= 0) continue;

@@ -23,7 +23,6 @@ struct Machine {
   std::string architecture;
   std::string system;
   int cores = 0;                 // logical CPUs
-  std::string affinity;          // those this process may use
   bool is_virtual = false;       // a hypervisor is present
   bool is_emulated = false;      // another architecture's CPU runs this program
   std::vector<Cache> caches;     // data caches, from the first level on

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 
 #include "bench/paper/loops.h"
@@ -123,9 +122,7 @@ std::size_t VolumeSet::Survivors(Volume volume, std::size_t queries) {
   std::size_t count = 0;
   for (std::size_t q = 0; q < std::min(queries, queries_.size()); ++q) {
     Scan(volume, queries_[q], {.target = ChosenTarget()});
-    for (std::uint64_t word : mask_) {
-      count += static_cast<std::size_t>(std::popcount(word));
-    }
+    count += CountBits(mask_);
   }
   return count;
 }

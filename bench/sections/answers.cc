@@ -25,7 +25,6 @@ namespace {
 
 constexpr std::array<std::size_t, 5> kStructuresObjects = {100, 1000, 10'000,
                                                            100'000, 1'000'000};
-// The parts of the section: AnswersTable(), and each row of StructuresTable().
 
 // Adds a scan of floats, one of uint8, and a BVH, each of which answers queries
 // with lists of survivors. They are timed per query. Returns the survivors of a

@@ -198,8 +198,6 @@ void AddSingles(Run& run, Table& table) {
   const auto map_of = [&](I i) -> Affine3 {
     return {{b[i], c[i], a[i]}, c[i]};
   };
-  // Around a, closed: a cube whose faces lean by a little.
-
   Contest contest(run, "single");
   // build(i) bounds shape i, or as many `items` of it.
   const auto add = [&](const char* name, std::size_t items, auto build) {

@@ -2,7 +2,6 @@
 // loops that the compiler vectorises.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -142,20 +141,6 @@ struct CullScene {
     if (input == CullInput::kSpheres) planes[3] = radii.data();
     return planes;
   }
-  std::size_t KeptBytes() const {
-    std::size_t count = 0;
-    for (std::uint64_t word : bytes) {
-      count += static_cast<std::size_t>(std::popcount(word));
-    }
-    return count;
-  }
-  std::size_t KeptBits() const {
-    std::size_t count = 0;
-    for (std::uint64_t word : kept) {
-      count += static_cast<std::size_t>(std::popcount(word));
-    }
-    return count;
-  }
 
   AabbWorld3 boxes;
   AaboWorld3 octahedra;
@@ -214,9 +199,7 @@ void AddCullRows(Run& run, CullScene& scene, const char* order,
         [&cameras, loop, planes, objects, &output](std::size_t q) {
           loop.run(planes.data(), objects, cameras[q].data(), output.data());
         },
-        [&scene, loop] {
-          return loop.writes_bytes ? scene.KeptBytes() : scene.KeptBits();
-        });
+        [&output] { return CountBits(output); });
   }
   const auto add_ours = [&](const char* by, bool has_box, auto list_of) {
     on_world([&](const auto& world) {
@@ -227,7 +210,7 @@ void AddCullRows(Run& run, CullScene& scene, const char* order,
             SurvivorMask(world, list_of(cameras[q]), scene.kept,
                          {.target = target});
           },
-          [&scene] { return scene.KeptBits(); });
+          [&scene] { return CountBits(scene.kept); });
       return std::size_t{0};
     });
   };

@@ -35,8 +35,8 @@ Tables RunMachine(Run& run) {
   table.rows = {
       {"model", machine.Model()},
       {"system", machine.system + ", " + machine.architecture},
-      {"cores", std::to_string(machine.cores) + ", of which this run uses " +
-                    machine.affinity},
+      {"cores", std::to_string(machine.cores) + ", of which this run may use " +
+                    std::to_string(UsableCpus())},
       {"caches", machine.CachesText()},
       {"extensions", isa},
       {"compiled", NamesOf(CompiledTargets())},
