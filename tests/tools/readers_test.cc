@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <fstream>
 #include <optional>
-#include <ostream>
 #include <random>
 #include <string>
 #include <string_view>
@@ -47,17 +46,10 @@ class TempFile {
 };
 
 struct BadFile {
-  const char* name;
   std::string content;
   std::size_t line;
   std::string_view problem;
 };
-
-void PrintTo(const BadFile& bad, std::ostream* out) { *out << bad.name; }
-
-std::string NameOf(const testing::TestParamInfo<BadFile>& info) {
-  return info.param.name;
-}
 
 // The message of the InputError that `read(path)` throws; nothing if it throws
 // none. Any other exception fails the test.
@@ -82,14 +74,17 @@ void ExpectWellFormed(const std::string& message, const std::string& path) {
 }
 
 template <typename Read>
-void ExpectRejected(const Read& read, const BadFile& bad) {
-  const TempFile file(bad.content);
-  const std::optional<std::string> message = ErrorOf(read, file.path());
-  ASSERT_TRUE(message.has_value()) << "was accepted";
-  ExpectWellFormed(*message, file.path());
-  std::string expected = file.path() + ":" + std::to_string(bad.line) + ": ";
-  expected.append(bad.problem).append("; ");
-  EXPECT_EQ(message->substr(0, expected.size()), expected) << *message;
+void ExpectRefused(const Read& read, const std::vector<BadFile>& files) {
+  for (const auto& [content, line, problem] : files) {
+    SCOPED_TRACE(problem);
+    const TempFile file(content);
+    const std::optional<std::string> message = ErrorOf(read, file.path());
+    ASSERT_TRUE(message.has_value()) << "was accepted";
+    ExpectWellFormed(*message, file.path());
+    std::string expected = file.path() + ":" + std::to_string(line) + ": ";
+    expected.append(problem).append("; ");
+    EXPECT_EQ(message->substr(0, expected.size()), expected) << *message;
+  }
 }
 
 // The text after an edit or two, or cut short: the same on every machine.
@@ -176,55 +171,46 @@ TEST(ObjMesh, RoundsNumbersToTheNearestFloat) {
   EXPECT_EQ(mesh.coords, (Floats{0, 1, 1, 16777216, 0.1234567891234f, 0}));
 }
 
-class BadLine : public testing::TestWithParam<BadFile> {};
-
-TEST_P(BadLine, IsRefused) { ExpectRejected(ReadDefault, GetParam()); }
-
-INSTANTIATE_TEST_SUITE_P(
-    ObjMesh, BadLine,
-    testing::Values(
-        BadFile{"Empty", "", 1, "the file is empty"},
-        BadFile{"NulByte", OnSquare(std::string("#\0 \n", 4)), 5,
-                "a NUL byte, so this is no text file"},
-        BadFile{"TwoNumbers", OnSquare("v 1 2\nf 1 2 3\n"), 5,
-                "a vertex with 2 numbers"},
-        BadFile{"Word", "v 0 0 0\nv 1 two 3\n", 2, "\"two\" is not a number"},
-        BadFile{"NaN", "v 0 0 0\n\nv nan 0 0\n", 3,
-                "\"nan\" is not a finite number"},
-        BadFile{"Overflow", "v 0 0 3.4028236e38\n", 1,
-                "\"3.4028236e38\" is too large for a 32-bit float"},
-        BadFile{"OverflowAfterCr", "# c\rv 0 0 0\rv 1e39 0 0\rf 1 1 1\r", 3,
-                "\"1e39\" is too large for a 32-bit float"},
-        BadFile{"NoVertex", "# nothing\n", 1, "the file has no vertex"},
-        BadFile{"NoFace", OnSquare(""), 4, "the file has no face"},
-        BadFile{"TwoCorners", OnSquare("f 1 2 3\nf 1 2\n"), 6,
-                "a face with 2 corners"},
-        BadFile{"LettersBehindACorner", OnSquare("f 1 2 3x\n"), 5,
-                "the corner \"3x\" has no number of a vertex"},
-        BadFile{"LettersInACorner", OnSquare("f 1 2 3/x\n"), 5,
-                "the corner \"3/x\" has no number of a vertex"},
-        BadFile{"FourNumbersInACorner", OnSquare("f 1 2 3/1/1/1\n"), 5,
-                "the corner \"3/1/1/1\" has no number of a vertex"},
-        BadFile{"Vertex0", OnSquare("f 0 1 2\n"), 5,
-                "the corner \"0\" has no number of a vertex"},
-        BadFile{"NoVertexNumber", OnSquare("f 1 2 /3\n"), 5,
-                "the corner \"/3\" has no number of a vertex"},
-        BadFile{"BeyondAllIntegers", OnSquare("f 1 2 99999999999999999999\n"),
-                5,
-                "the corner \"99999999999999999999\" has no number of a "
-                "vertex"},
-        BadFile{"TooFarBack", "f 1 2 3\n" + OnSquare("f -5 1 2\n"), 6,
-                "a face counts back 5 vertices, and 4 come before it"},
-        BadFile{"Back2To32", OnSquare("f -4294967295 1 2\n"), 5,
-                "a face counts back 4294967295 vertices, and 4 come before "
-                "it"},
-        BadFile{"VertexAfterTheLast", OnSquare("f 2 3 5\nf 1 2 3\n"), 5,
-                "a face names vertex 5, and the file has 4"},
-        BadFile{"LargestOfTwo", OnSquare("f 2 3 5\nf 1 2 2147483647\n"), 6,
-                "a face names vertex 2147483647, and the file has 4"},
-        BadFile{"Vertex2To32", OnSquare("f 1 2 4294967299\n"), 5,
-                "a face names vertex 4294967299, and the file has 4"}),
-    NameOf);
+TEST(ObjMesh, RefusesBadLines) {
+  ExpectRefused(
+      ReadDefault,
+      {{"", 1, "the file is empty"},
+       {OnSquare(std::string("#\0 \n", 4)), 5,
+        "a NUL byte, so this is no text file"},
+       {OnSquare("v 1 2\nf 1 2 3\n"), 5, "a vertex with 2 numbers"},
+       {"v 0 0 0\nv 1 two 3\n", 2, "\"two\" is not a number"},
+       {"v 0 0 0\n\nv nan 0 0\n", 3, "\"nan\" is not a finite number"},
+       {"v 0 0 3.4028236e38\n", 1,
+        "\"3.4028236e38\" is too large for a 32-bit float"},
+       {"# c\rv 0 0 0\rv 1e39 0 0\rf 1 1 1\r", 3,
+        "\"1e39\" is too large for a 32-bit float"},
+       {"# nothing\n", 1, "the file has no vertex"},
+       {OnSquare(""), 4, "the file has no face"},
+       {OnSquare("f 1 2 3\nf 1 2\n"), 6, "a face with 2 corners"},
+       {OnSquare("f 1 2 3x\n"), 5,
+        "the corner \"3x\" has no number of a vertex"},
+       {OnSquare("f 1 2 3/x\n"), 5,
+        "the corner \"3/x\" has no number of a vertex"},
+       {OnSquare("f 1 2 3/1/1/1\n"), 5,
+        "the corner \"3/1/1/1\" has no number of a vertex"},
+       {OnSquare("f 0 1 2\n"), 5, "the corner \"0\" has no number of a vertex"},
+       {OnSquare("f 1 2 /3\n"), 5,
+        "the corner \"/3\" has no number of a vertex"},
+       {OnSquare("f 1 2 99999999999999999999\n"), 5,
+        "the corner \"99999999999999999999\" has no number of a "
+        "vertex"},
+       {"f 1 2 3\n" + OnSquare("f -5 1 2\n"), 6,
+        "a face counts back 5 vertices, and 4 come before it"},
+       {OnSquare("f -4294967295 1 2\n"), 5,
+        "a face counts back 4294967295 vertices, and 4 come before "
+        "it"},
+       {OnSquare("f 2 3 5\nf 1 2 3\n"), 5,
+        "a face names vertex 5, and the file has 4"},
+       {OnSquare("f 2 3 5\nf 1 2 2147483647\n"), 6,
+        "a face names vertex 2147483647, and the file has 4"},
+       {OnSquare("f 1 2 4294967299\n"), 5,
+        "a face names vertex 4294967299, and the file has 4"}});
+}
 
 TEST(ObjMesh, RefusesWhatIsNoReadableFile) {
   for (const char* name : {"", "no/such/file.obj"}) {
@@ -320,45 +306,34 @@ std::string RowOfLength(std::size_t length) {
   return row;
 }
 
-class BadBounds : public testing::TestWithParam<BadFile> {};
-
-TEST_P(BadBounds, AreRefusedAtTheirLine) {
-  ExpectRejected(ReadBounds, GetParam());
-}
-
 // Of numbers and of files, the rows of meshes have what both readers share.
-INSTANTIATE_TEST_SUITE_P(
-    All, BadBounds,
-    testing::Values(
-        BadFile{"OnlyHeader", "# x\nminx,miny,minz,maxx,maxy,maxz\n", 2,
-                "the file ends without a box"},
-        BadFile{"BinaryGarbage", "\xff\xfe\x01", 1,
-                "expected 6 fields with commas between them, found 1 in "
-                "\"\\xff\\xfe\\x01\""},
-        BadFile{"FiveFields", "0,0,0,1,1,1\n0,0,0,1,1\n", 2,
-                "expected 6 fields with commas between them, found 5 in "
-                "\"0,0,0,1,1\""},
-        BadFile{"CommaAtTheEnd", "0,0,0,1,1,1,\n", 1,
-                "expected 6 fields with commas between them, found 7 in "
-                "\"0,0,0,1,1,1,\""},
-        BadFile{"EmptyField", "\n0,0,,1,1,1\n", 2, "\"\" is not a number"},
-        BadFile{"TrailingGarbage", "0,0,0,1,1,1m\n", 1,
-                "\"1m\" is not a number"},
-        BadFile{"FirstOfTwoWrongFields", "0,one,0,nan,1,1\n", 1,
-                "\"one\" is not a number"},
-        BadFile{"InvertedY", "# a\n0,1e1,0,1,1,1\n", 2,
-                "miny \"1e1\" is above maxy \"1\""},
-        BadFile{"OtherHeader", "xmin,ymin,zmin,xmax,ymax,zmax\n", 1,
-                "\"xmin\" is not a number"},
-        BadFile{"HeaderWithinRows",
-                "0,0,0,1,1,1\nminx,miny,minz,maxx,maxy,maxz\n", 2,
-                "\"minx\" is not a number"},
-        // The first line is as long as it may be.
-        BadFile{"OverlongLine", RowOfLength(4096) + "\n" + RowOfLength(4097), 2,
-                "the line is 4097 characters long, expected at most 4096"},
-        BadFile{"OverlongComment", std::string("#").append(4096, ' '), 1,
-                "the line is 4097 characters long, expected at most 4096"}),
-    NameOf);
+TEST(BoundsReader, RefusesBadLines) {
+  ExpectRefused(
+      ReadBounds,
+      {{"# x\nminx,miny,minz,maxx,maxy,maxz\n", 2,
+        "the file ends without a box"},
+       {"\xff\xfe\x01", 1,
+        "expected 6 fields with commas between them, found 1 in "
+        "\"\\xff\\xfe\\x01\""},
+       {"0,0,0,1,1,1\n0,0,0,1,1\n", 2,
+        "expected 6 fields with commas between them, found 5 in "
+        "\"0,0,0,1,1\""},
+       {"0,0,0,1,1,1,\n", 1,
+        "expected 6 fields with commas between them, found 7 in "
+        "\"0,0,0,1,1,1,\""},
+       {"\n0,0,,1,1,1\n", 2, "\"\" is not a number"},
+       {"0,0,0,1,1,1m\n", 1, "\"1m\" is not a number"},
+       {"0,one,0,nan,1,1\n", 1, "\"one\" is not a number"},
+       {"# a\n0,1e1,0,1,1,1\n", 2, "miny \"1e1\" is above maxy \"1\""},
+       {"xmin,ymin,zmin,xmax,ymax,zmax\n", 1, "\"xmin\" is not a number"},
+       {"0,0,0,1,1,1\nminx,miny,minz,maxx,maxy,maxz\n", 2,
+        "\"minx\" is not a number"},
+       // The first line is as long as it may be.
+       {RowOfLength(4096) + "\n" + RowOfLength(4097), 2,
+        "the line is 4097 characters long, expected at most 4096"},
+       {std::string("#").append(4096, ' '), 1,
+        "the line is 4097 characters long, expected at most 4096"}});
+}
 
 }  // namespace
 }  // namespace halfspace::bench
