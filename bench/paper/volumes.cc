@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "bench/base/text.h"
-#include "bench/paper/scene_of_dimension.h"
 #include "bench/paper/volume_set.h"
 #include "bench/paper/work_count.h"
 #include "bench/sections/contest.h"
 #include "bench/sections/verdict.h"
+#include "bench/worlds/moved_clouds.h"
 #include "bench/worlds/working_set.h"
 #include "bench/worlds/workload.h"
 #include "halfspace/reject.h"
@@ -79,7 +79,7 @@ template <int kDims>
 void AddDimension(Run& run, std::size_t bytes, Table& table) {
   const SceneOf<kDims> scene = MakeSceneOf<kDims>(
       std::max(kSetStep, bytes / sizeof(Aabo<kDims>) / kSetStep * kSetStep),
-      kTimedQueries, run.options.seed);
+      kTimedQueries, run.options.seed, kCloudRadius<kDims>);
   const AaboView<kDims> view = scene.objects.view();
   const Target target = run.best();
   std::vector<std::uint64_t> mask(MaskWords(view.size));

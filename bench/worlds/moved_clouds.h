@@ -12,6 +12,7 @@
 #include "bench/worlds/random.h"
 #include "bench/worlds/workload.h"
 #include "halfspace/fit.h"
+#include "halfspace/world.h"
 
 namespace halfspace::bench {
 
@@ -66,6 +67,37 @@ class MovedClouds {
   std::vector<Cloud> clouds_;
   std::array<float, kDims * kMostPoints> moved_;
 };
+
+template <int kDims>
+struct SceneOf {
+  AaboWorld<kDims> objects;
+  std::vector<Aabo<kDims>> queries;
+};
+
+// Objects, then queries, of clouds with that radius.
+template <int kDims>
+SceneOf<kDims> MakeSceneOf(std::size_t objects, std::size_t queries,
+                           std::uint64_t seed, float radius) {
+  MovedClouds<static_cast<std::size_t>(kDims)> clouds(seed);
+  clouds.Scale(radius);
+  SceneOf<kDims> scene;
+  scene.objects.Reserve(objects);
+  while (scene.objects.size() < objects) scene.objects.Push(clouds.NextBound());
+  while (scene.queries.size() < queries) {
+    scene.queries.push_back(clouds.NextBound());
+  }
+  return scene;
+}
+
+// The radius with which as many boxes survive a query as in 3 dimensions. Boxes
+// of side s overlap on one axis of the cube with side 100 in 2 s of 100 cases.
+// The boxes around clouds of radius 1 have sides of 1.83, 1.72 and 1.63 in 2, 3
+// and 4 dimensions, and (2 * 1.72 / 100)^3 is (2 * 0.175 * 1.83 / 100)^2 and
+// (2 * 2.46 * 1.63 / 100)^4.
+template <int kDims>
+inline constexpr float kCloudRadius = kDims == 2   ? 0.175f
+                                      : kDims == 3 ? 1.0f
+                                                   : 2.46f;
 
 }  // namespace halfspace::bench
 

@@ -135,17 +135,8 @@ Workload WorkloadOfBoxes(std::string name, const std::vector<Aabb3>& boxes,
 
 Workload MakeScene(std::size_t objects, std::size_t queries, std::uint64_t seed,
                    float radius) {
-  MovedClouds<3> clouds(seed);
-  clouds.Scale(radius);
-  Workload scene{"scene", {}, {}};
-  scene.objects.Reserve(objects);
-  for (std::size_t i = 0; i < objects; ++i) {
-    scene.objects.Push(clouds.NextBound());
-  }
-  for (std::size_t i = 0; i < queries; ++i) {
-    scene.queries.push_back(clouds.NextBound());
-  }
-  return scene;
+  auto [boxes, asked] = MakeSceneOf<3>(objects, queries, seed, radius);
+  return {"scene", std::move(boxes), std::move(asked)};
 }
 
 Workload SceneOfSize(double share, std::size_t objects, std::uint64_t seed,

@@ -15,9 +15,9 @@
 #include "bench/paper/loops.h"
 #include "bench/paper/model.h"
 #include "bench/paper/points.h"
-#include "bench/paper/scene_of_dimension.h"
 #include "bench/paper/volume_set.h"
 #include "bench/paper/work_count.h"
+#include "bench/worlds/moved_clouds.h"
 #include "bench/worlds/random.h"
 #include "bench/worlds/workload.h"
 #include "halfspace/fit.h"
@@ -305,15 +305,6 @@ TEST(SphereScanTest, NeverRejectsSpheresThatTouch) {
   }
 }
 
-TEST(SceneOfDimensionTest, IsTheSceneInThree) {
-  const Workload scene = MakeScene(100, 10, /*seed=*/9);
-  const SceneOf<3> same = MakeSceneOf<3>(100, 10, /*seed=*/9);
-  for (std::size_t i = 0; i < 100; ++i) {
-    EXPECT_EQ(same.objects.Get(i), scene.objects.Get(i));
-  }
-  EXPECT_EQ(same.queries, scene.queries);
-}
-
 TEST(SceneOfDimensionTest, KeepsAsManyBoxes) {
   const auto survivors = [](const auto& scene) {
     std::size_t count = 0;
@@ -322,9 +313,11 @@ TEST(SceneOfDimensionTest, KeepsAsManyBoxes) {
     }
     return static_cast<double>(count);
   };
-  const double in_3 = survivors(MakeSceneOf<3>(4000, 500, /*seed=*/1));
-  EXPECT_NEAR(survivors(MakeSceneOf<2>(4000, 500, 1)) / in_3, 1.0, 0.4);
-  EXPECT_NEAR(survivors(MakeSceneOf<4>(4000, 500, 1)) / in_3, 1.0, 0.4);
+  const double in_3 = survivors(MakeSceneOf<3>(4000, 500, 1, kCloudRadius<3>));
+  EXPECT_NEAR(survivors(MakeSceneOf<2>(4000, 500, 1, kCloudRadius<2>)) / in_3,
+              1.0, 0.4);
+  EXPECT_NEAR(survivors(MakeSceneOf<4>(4000, 500, 1, kCloudRadius<4>)) / in_3,
+              1.0, 0.4);
 }
 
 }  // namespace
