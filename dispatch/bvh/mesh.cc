@@ -143,6 +143,8 @@ class Builder {
     const Piece all = PieceOf(entries.data(), entries.data() + entries.size());
     mesh_.cube = all.bounds.Cube();
     mesh_.root = Add(all, 0);
+    mesh_.nodes.shrink_to_fit();
+    mesh_.groups.shrink_to_fit();
   }
 
  private:
@@ -444,7 +446,8 @@ struct ClosestAnswer {
     const std::uint32_t id = group.id[lane];
     if (found.distance <= max_distance &&
         (found.distance < closest.distance ||
-         (found.distance == closest.distance && id < closest.id))) {
+         (found.distance == closest.distance && found.distance < kInf &&
+          id < closest.id))) {
       closest = {id, found.distance, found.point};
     }
     return closest.distance;
