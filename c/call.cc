@@ -209,7 +209,8 @@ Target ReadTarget(const Call& call, const char* argument, const char* name) {
   if (name == nullptr) return {};
   const std::optional<Target> target = FindTarget(name);
   if (!target) {
-    call.Fail(HS_INVALID_ARGUMENT, {argument, "->target"},
+    call.Fail(HS_INVALID_ARGUMENT,
+              argument == nullptr ? Name("target") : Name(argument, "->target"),
               "expected null or a name of hs_target_name(), got "
               "\"%.64s\"",
               name);

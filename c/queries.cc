@@ -15,7 +15,6 @@
 #include "halfspace/bvh_nearest.h"
 #include "halfspace/bvh_shapes.h"
 #include "halfspace/frustum.h"
-#include "halfspace/triangles.h"
 
 namespace halfspace::c {
 namespace {
@@ -528,158 +527,6 @@ hs_status CastFirst(const char* name, const World* world, const Casts& casts,
   });
 }
 
-// Triangle i is in the bound of object i.
-struct Triangles {
-  Triangles(const Call& call, const hs_bvh* bvh, const hs_columns* triangles)
-      : columns(triangles) {
-    call.CheckPointer("bvh", bvh);
-    if (bvh->layout.dims != 3) {
-      call.Fail(HS_INVALID_ARGUMENT, "bvh", "expected 3 dimensions, got %d",
-                static_cast<int>(bvh->layout.dims));
-    }
-    CheckColumns(call, "triangles", triangles, 0, 9);
-    CheckFloats(call, "triangles", *triangles);
-    if (triangles->count < bvh->core.id_limit()) {
-      call.Fail(HS_INVALID_ARGUMENT, "triangles->count",
-                "expected at least hs_bvh_id_limit(), %zu, got %zu",
-                bvh->core.id_limit(), triangles->count);
-    }
-  }
-
-  // An altered blob has any ids.
-  bool Has(std::uint32_t id) const { return id < columns->count; }
-  Triangle<3> operator[](std::uint32_t id) const {
-    Triangle<3> triangle;
-    Point<3>* const corners[] = {&triangle.a, &triangle.b, &triangle.c};
-    for (std::size_t v = 0; v < 9; ++v) {
-      (*corners[v / 3])[v % 3] =
-          static_cast<const float*>(columns->column[v])[id * columns->stride];
-    }
-    return triangle;
-  }
-
-  const hs_columns* columns;
-};
-
-// A cast that goes on with the triangles of the boxes that it finds. Not a
-// template, as most of the code is that of a cast.
-struct TriangleCast {
-  const Triangles& triangles;
-  const hs_columns& rays;
-  hs_hit_function function;
-  void* context;
-  std::size_t last = std::numeric_limits<std::size_t>::max();
-  Ray<3> ray = {};
-
-  // A hs_hit_function.
-  static float Run(void* cast, std::size_t i, std::uint32_t id, float /*t*/) {
-    auto& its = *static_cast<TriangleCast*>(cast);
-    Ray<3>& ray = its.ray;
-    if (i != its.last) {
-      std::array<float, kMostValues> row;
-      WriteRows(its.rays, Values::OfColumns(7), i, 1, row.data());
-      std::copy_n(row.data(), 3, ray.origin.data());
-      std::copy_n(row.data() + 3, 3, ray.direction.data());
-      ray.max_t = row[6];
-      its.last = i;
-    }
-    if (!its.triangles.Has(id)) return ray.max_t;
-    const float t = HitTriangle(ray, its.triangles[id]);
-    if (t < INFINITY) {
-      const float limit = its.function(its.context, i, id, t);
-      if (limit < ray.max_t) ray.max_t = limit;
-    }
-    // The exact t of another hit with the same t can be the float above.
-    return ray.max_t < 0 ? ray.max_t : std::nextafter(ray.max_t, INFINITY);
-  }
-};
-
-void CastToTriangles(const Call& call, const hs_bvh* bvh,
-                     const hs_columns* rays, const hs_columns* columns,
-                     const hs_query_options* options, hs_hit_function function,
-                     void* context) {
-  const Triangles triangles(call, bvh, columns);
-  call.CheckPointer("rays", rays);
-  TriangleCast cast = {triangles, *rays, function, context};
-  CastFor(call, bvh, {Casts::kRays, rays, nullptr, 0.0f}, options,
-          &TriangleCast::Run, &cast);
-}
-
-hs_status FirstTriangles(const hs_bvh* bvh, const hs_columns* rays,
-                         const hs_columns* triangles,
-                         const hs_query_options* options, std::uint32_t* ids,
-                         float* ts) {
-  return Run("hs_bvh_raycast_triangles", [&](const Call& call) {
-    call.CheckPointer("rays", rays);
-    FirstHits hits(call, rays->count, ids, ts);
-    CastToTriangles(call, bvh, rays, triangles, options, &FirstHits::Add,
-                    &hits);
-  });
-}
-
-hs_status EachTriangle(const hs_bvh* bvh, const hs_columns* rays,
-                       const hs_columns* triangles,
-                       const hs_query_options* options,
-                       hs_hit_function function, void* context) {
-  return Run("hs_bvh_raycast_triangles_each", [&](const Call& call) {
-    call.CheckPointer("function", function);
-    CastToTriangles(call, bvh, rays, triangles, options, function, context);
-  });
-}
-
-hs_status ClosestPoints(const hs_bvh* bvh, const hs_columns* points,
-                        const hs_columns* triangles, float max_distance,
-                        const hs_query_options* options, std::uint32_t* ids,
-                        float* closest, float* distances) {
-  return Run("hs_bvh_closest_points", [&](const Call& call) {
-    const Triangles its(call, bvh, triangles);
-    const Values values = Values::OfColumns(3);
-    CheckColumns(call, "points", points, values);
-    CheckFloats(call, "points", *points);
-    CheckLength(call, "max_distance", max_distance);
-    call.CheckArray("ids", ids, points->count);
-    if (closest != nullptr) {
-      call.CheckArray("closest", closest, 3 * points->count);
-    }
-    if (distances != nullptr) call.CheckPointer("distances", distances);
-    const SearchOptions search = ReadSearch(call, options);
-    ForEachRows(
-        *points, values,
-        [&](const float* rows, std::size_t begin, std::size_t count) {
-          for (std::size_t i = 0; i < count; ++i) {
-            const float* const row = rows + 3 * i;
-            const Point<3> point = {row[0], row[1], row[2]};
-            std::uint32_t id = HS_NO_ID;
-            TrianglePoint best = {{NAN, NAN, NAN}, INFINITY};
-            float limit = max_distance;
-            detail::Callback one{
-                [&](std::uint32_t object, float, const float*) {
-                  if (its.Has(object)) {
-                    const auto found = ClosestPoint(point, its[object]);
-                    if (found.distance <= max_distance &&
-                        (found.distance < best.distance ||
-                         (found.distance == best.distance && object < id))) {
-                      best = found;
-                      id = object;
-                      // More than the errors of the distances of boxes.
-                      limit = std::min(
-                          limit, found.distance * (1 + 0x1p-18f) + 0x1p-70f);
-                    }
-                  }
-                  return Limit{limit};
-                }};
-            bvh->core.ForEachNearest({row, 0, 3, 1}, max_distance,
-                                     &decltype(one)::Run, &one, search);
-            ids[begin + i] = id;
-            if (distances != nullptr) distances[begin + i] = best.distance;
-            if (closest != nullptr) {
-              std::copy_n(best.point.data(), 3, closest + 3 * (begin + i));
-            }
-          }
-        });
-  });
-}
-
 }  // namespace
 
 }  // namespace halfspace::c
@@ -689,10 +536,7 @@ using halfspace::c::Call;
 using halfspace::c::Cast;
 using halfspace::c::CastFirst;
 using halfspace::c::Casts;
-using halfspace::c::ClosestPoints;
 using halfspace::c::CountAll;
-using halfspace::c::EachTriangle;
-using halfspace::c::FirstTriangles;
 using halfspace::c::NearestToBoxes;
 using halfspace::c::NearestToPoints;
 using halfspace::c::Query;
@@ -778,27 +622,6 @@ HALFSPACE_DEFAULTS_OF(hs_query_options, kQueryDefaults)
 HALFSPACE_SEARCHES(hs_bvh)
 HALFSPACE_SEARCHES(hs_broad_phase)
 #undef HALFSPACE_SEARCHES
-
-hs_status hs_bvh_raycast_triangles(const hs_bvh* bvh, const hs_columns* rays,
-                                   const hs_columns* triangles,
-                                   const hs_query_options* options,
-                                   uint32_t* ids, float* ts) {
-  return FirstTriangles(bvh, rays, triangles, options, ids, ts);
-}
-
-hs_status hs_bvh_raycast_triangles_each(
-    const hs_bvh* bvh, const hs_columns* rays, const hs_columns* triangles,
-    const hs_query_options* options, hs_hit_function function, void* context) {
-  return EachTriangle(bvh, rays, triangles, options, function, context);
-}
-
-hs_status hs_bvh_closest_points(const hs_bvh* bvh, const hs_columns* points,
-                                const hs_columns* triangles, float max_distance,
-                                const hs_query_options* options, uint32_t* ids,
-                                float* closest, float* distances) {
-  return ClosestPoints(bvh, points, triangles, max_distance, options, ids,
-                       closest, distances);
-}
 
 hs_status hs_frustum_planes(const float* matrix, hs_clip_depth depth,
                             hs_matrix_order order, float* half_spaces) {

@@ -1,4 +1,4 @@
-// A BVH of boxes in WebAssembly. index.d.ts is the manual. index.js and init.js start it.
+// A BVH of boxes and a triangle mesh in WebAssembly. index.d.ts is the manual. index.js and init.js start it.
 export const NO_ID = 0xffffffff;
 
 export class HalfspaceError extends Error {
@@ -49,8 +49,7 @@ function look() {
 // The text at an address, with the names that callers know.
 const names = {
   objects: 'boxes', queries: 'boxes', data: 'bytes', max_distance: 'maxDistance',
-  'options->margin': 'margin', bvh: 'dimensions', 'hs_bvh_blob()': 'toBytes()',
-  'hs_bvh_id_limit()': 'idLimit',
+  'options->margin': 'margin', 'hs_bvh_blob()': 'toBytes()', indices: 'faces',
 };
 const text = (address) => new TextDecoder().decode(u8.slice(address, u8.indexOf(0, address)))
   .replace(/\w+(->margin|\(\))?/g, (name) => names[name] ?? name);
@@ -125,13 +124,24 @@ function copyIn(allocate, array) {
   return address;
 }
 
-// Copies the rows of an array to the module. The slots of arrays are 0 and 1.
-const rowsIn = (allocate, slot, array, values) => wasm.rows(slot,
-  array instanceof Float64Array ? 1 : 0, copyIn(allocate, array), array.length / values, values);
+// Calls run(rows, count, allocate) with the rows of an array, which are in the module then. The
+// slot of arrays is 0.
+const withRows = (array, values, run) => withMemory((allocate) => {
+  const count = array.length / values;
+  return run(wasm.rows(0, array instanceof Float64Array ? 1 : 0, copyIn(allocate, array), count,
+    values), count, allocate);
+});
 
-// Calls run(rows, count, allocate) with the rows of an array, which are in the module then.
-const withRows = (array, values, run) => withMemory((allocate) =>
-  run(rowsIn(allocate, 0, array, values), array.length / values, allocate));
+// Returns what call(rows, ...addresses) writes: `most` ids of each row, and so many numbers of
+// each row as `numbers` says.
+function answers(array, values, [most, ...numbers], call) {
+  return withRows(array, values, (rows, count, allocate) => {
+    const ids = allocate(4 * most * count);
+    const to = numbers.map((width) => allocate(4 * width * count));
+    check(call(rows, ids, ...to));
+    return [idsAt(ids, most * count), ...to.map((at, i) => floatsAt(at, numbers[i] * count))];
+  });
+}
 
 // Arguments ---------------------------------------------------------------------------
 
@@ -194,9 +204,10 @@ function checkBoxes(name, boxes, dimensions) {
 const boxesOf = (data, dimensions) =>
   checkBoxes('boxes', rowsOf('boxes', data, 2 * dimensions), dimensions);
 
-const idsOf = (ids) => Uint32Array.from(arrayOf('ids', ids, 'ids'), (id, i) =>
-  (typeof id === 'number' && id >>> 0 === id ? id
-    : expect(false, `ids[${i}]`, 'the id of an object', id)));
+const idsOf = (ids, name = 'ids', what = 'the id of an object') =>
+  Uint32Array.from(arrayOf(name, ids, name), (id, i) =>
+    (typeof id === 'number' && id >>> 0 === id ? id
+      : expect(false, `${name}[${i}]`, what, id)));
 
 // The BVH -----------------------------------------------------------------------------
 
@@ -257,16 +268,9 @@ export class BVH {
     return withRows(array, 2 * this.#dimensions, run);
   }
 
-  // Returns what call(rows, triangles, ...addresses) writes: `most` ids of each row, and so
-  // many numbers of each row as `numbers` says.
-  #answers(array, values, [most, ...numbers], call, triangles) {
+  #answers(array, values, widths, call) {
     this.#open();
-    return withRows(array, values, (rows, count, allocate) => {
-      const ids = allocate(4 * most * count);
-      const to = numbers.map((width) => allocate(4 * width * count));
-      check(call(rows, triangles ? rowsIn(allocate, 1, triangles, 9) : 0, ids, ...to));
-      return [idsAt(ids, most * count), ...to.map((at, i) => floatsAt(at, numbers[i] * count))];
-    });
+    return answers(array, values, widths, call);
   }
 
   // Returns the ids that the queries find. The options name their shape.
@@ -358,17 +362,9 @@ export class BVH {
     const limit = Number(maxDistance);
     const most = this.#most(k);
     const [ids, distances] = this.#answers(array, this.#dimensions, [most, most],
-      (rows, _, ...to) =>
+      (rows, ...to) =>
         wasm.hs_bvh_nearest_to_points(this.#bvh, rows, most, limit, 0, ...to));
     return { k: most, ids, distances };
-  }
-
-  closestPoints(points, triangles, maxDistance = Infinity) {
-    const limit = Number(maxDistance);
-    const [ids, closest, distances] = this.#answers(floatsOf('points', points, 3), 3, [1, 3, 1],
-      (rows, its, ...to) => wasm.hs_bvh_closest_points(this.#bvh, rows, its, limit, 0, ...to),
-      floatsOf('triangles', triangles, 9));
-    return { ids, distances, closest };
   }
 
   raycast(origin, direction, maxT = Infinity) {
@@ -380,14 +376,10 @@ export class BVH {
     return id === NO_ID ? null : { id, t: f32[oneResult / 4 + 1] };
   }
 
-  raycastMany(rays, triangles) {
+  raycastMany(rays) {
     const values = 2 * this.#dimensions + 1;
-    const array = floatsOf('rays', rays, values);
-    const its = triangles === undefined ? null : floatsOf('triangles', triangles, 9);
-    const call = its ? wasm.hs_bvh_raycast_triangles : wasm.hs_bvh_raycast;
-    // Without triangles it is the radius of rays that is 0.
-    const [ids, ts] = this.#answers(array, values, [1, 1],
-      (rows, trianglesOr0, ...to) => call(this.#bvh, rows, trianglesOr0, 0, ...to), its);
+    const [ids, ts] = this.#answers(floatsOf('rays', rays, values), values, [1, 1],
+      (rows, ...to) => wasm.hs_bvh_raycast(this.#bvh, rows, 0, 0, ...to));
     return { ids, ts };
   }
 
@@ -425,4 +417,68 @@ export class BVH {
   rebuild() { check(wasm.hs_bvh_rebuild(this.#open(), 0)); }
 }
 
-if (Symbol.dispose) BVH.prototype[Symbol.dispose] = BVH.prototype.dispose;
+// The triangle mesh -------------------------------------------------------------------
+
+const meshes = new FinalizationRegistry((mesh) => wasm.hs_mesh_destroy(mesh));
+
+export class TriangleMesh {
+  #mesh;
+  #size;
+
+  constructor(vertices, faces) {
+    const points = floatsOf('vertices', vertices, 3);
+    const indices = faces === undefined ? Uint32Array.from({ length: points.length / 3 }, (_, i) => i)
+      : idsOf(faces, 'faces', 'the index of a vertex');
+    expect(indices.length % 3 === 0, faces === undefined ? 'vertices' : 'faces',
+      '3 for each triangle', indices.length);
+    this.#size = indices.length / 3;
+    this.#mesh = withRows(points, 3, (rows, _, allocate) => resultOf(wasm.hs_mesh_create(
+      rows, copyIn(allocate, indices), this.#size, 0, oneResult)));
+    meshes.register(this, this.#mesh, this);
+  }
+
+  dispose() {
+    if (!this.#mesh) return;
+    meshes.unregister(this);
+    wasm.hs_mesh_destroy(this.#mesh);
+    this.#mesh = 0;
+  }
+
+  #open() {
+    if (!this.#mesh) throw new HalfspaceError('', 'the mesh was disposed of');
+    return this.#mesh;
+  }
+
+  get size() { return this.#size; }
+
+  raycastMany(rays) {
+    const array = floatsOf('rays', rays, 7);
+    const mesh = this.#open();
+    const [ids, ts] = answers(array, 7, [1, 1],
+      (rows, ...to) => wasm.hs_mesh_raycast(mesh, rows, 0, ...to));
+    return { ids, ts };
+  }
+
+  occluded(rays) {
+    const array = floatsOf('rays', rays, 7);
+    const mesh = this.#open();
+    return withRows(array, 7, (rows, count, allocate) => {
+      const hits = allocate(count);
+      check(wasm.hs_mesh_occluded(mesh, rows, 0, hits));
+      return u8.slice(hits, hits + count);
+    });
+  }
+
+  closestPoints(points, maxDistance = Infinity) {
+    const array = floatsOf('points', points, 3);
+    const limit = Number(maxDistance);
+    const mesh = this.#open();
+    const [ids, closest, distances] = answers(array, 3, [1, 3, 1],
+      (rows, ...to) => wasm.hs_mesh_closest_points(mesh, rows, limit, 0, ...to));
+    return { ids, distances, closest };
+  }
+}
+
+if (Symbol.dispose) {
+  for (const { prototype } of [BVH, TriangleMesh]) prototype[Symbol.dispose] = prototype.dispose;
+}

@@ -79,22 +79,8 @@ export class BVH {
   raycast(origin: ArrayLike<number>, direction: ArrayLike<number>, maxT?: number):
     { id: number; t: number } | null;
   /** The same for rows of an origin, a direction and a limit of t: 2 * dimensions + 1
-   * numbers. Without a hit, the id is NO_ID and t is Infinity.
-   *
-   * With `triangles`, the first triangle that a ray hits, from either side. They are 9
-   * numbers each, the three corners: triangle i is in box i, and there are at least
-   * `idLimit`. The BVH has 3 dimensions. All is rounded to 32-bit floats. From there on it is
-   * exact whether a ray hits: none passes between triangles that share an edge. A ray
-   * through the edge hits both, so the parity of hits does not say whether a point is
-   * inside of a closed mesh. A triangle without an area, or in whose plane the ray lies, is
-   * not hit. Each call copies the triangles, so give it many rays. */
-  raycastMany(rays: Numbers, triangles?: Numbers): { ids: Ids; ts: Floats };
-
-  /** The triangle that is closest to each point, with triangles as in raycastMany(), the
-   * distance, and the closest point of the triangle, which is 3 numbers. If there is none
-   * within `maxDistance`, they are NO_ID, Infinity and NaN. */
-  closestPoints(points: Numbers, triangles: Numbers, maxDistance?: number):
-    { ids: Ids; distances: Floats; closest: Floats };
+   * numbers. Without a hit, the id is NO_ID and t is Infinity. */
+  raycastMany(rays: Numbers): { ids: Ids; ts: Floats };
 
   /** All pairs of boxes that overlap, or are at most `margin` apart on each axis: pair i is
    * elements 2 * i and 2 * i + 1. Each pair is there once. */
@@ -114,6 +100,38 @@ export class BVH {
   /** Frees the memory at once. Without it, the garbage collector does. */
   dispose(): void;
   /** The same, for `using tree = new BVH(boxes)`. */
+  [Symbol.dispose](): void;
+}
+
+/**
+ * Triangles that do not move. The id of a triangle is its index. All numbers are rounded to
+ * 32-bit floats. From there on it is exact whether a ray hits a triangle: none passes between
+ * triangles that share an edge. A ray through the edge hits both, so the parity of hits does
+ * not say whether a point is inside of a closed mesh. A triangle without an area, or in whose
+ * plane the ray lies, is not hit. A triangle with an infinity is never found.
+ */
+export class TriangleMesh {
+  /** Copies the vertices, 3 numbers each. Faces are 3 indices of vertices each. Without
+   * faces, 3 vertices one after another are a triangle. O(n log n). */
+  constructor(vertices: Numbers, faces?: ArrayLike<number>);
+
+  /** The number of triangles. */
+  readonly size: number;
+
+  /** The first triangle that each ray hits, from either side. A ray is 7 numbers: an origin,
+   * a direction and a limit of t. Without a hit, the id is NO_ID and t is Infinity. */
+  raycastMany(rays: Numbers): { ids: Ids; ts: Floats };
+  /** 1 for each ray that hits a triangle, and 0 for the others. */
+  occluded(rays: Numbers): Bytes;
+  /** The triangle that is closest to each point, the distance, and the closest point of the
+   * triangle, which is 3 numbers. If there is none within `maxDistance`, they are NO_ID,
+   * Infinity and NaN. */
+  closestPoints(points: Numbers, maxDistance?: number):
+    { ids: Ids; distances: Floats; closest: Floats };
+
+  /** Frees the memory at once. Without it, the garbage collector does. */
+  dispose(): void;
+  /** The same, for `using mesh = new TriangleMesh(vertices)`. */
   [Symbol.dispose](): void;
 }
 

@@ -15,4 +15,4 @@ const bytes = globalThis.Buffer?.from(base64, 'base64') ?? Uint8Array.fromBase64
   ?? decoded();
 start(new WebAssembly.Instance(new WebAssembly.Module(bytes), imports));
 
-export { BVH, HalfspaceError, NO_ID, version } from './bvh.js';
+export { BVH, HalfspaceError, NO_ID, TriangleMesh, version } from './bvh.js';

@@ -21,4 +21,4 @@ async function load(source) {
   start((await WebAssembly.instantiate(bytes, imports)).instance);
 }
 
-export { BVH, HalfspaceError, NO_ID, version } from './bvh.js';
+export { BVH, HalfspaceError, NO_ID, TriangleMesh, version } from './bvh.js';

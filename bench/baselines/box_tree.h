@@ -139,6 +139,18 @@ inline bool AreNearest(std::span<const Aabb3> boxes, const Point<3>& point,
   return most <= (1 + 1e-5) * *last;
 }
 
+// Of triangles, as floats compute it: a ray that hits an edge may pass.
+class TriangleTree : public Competitor {
+ public:
+  using Input = std::span<const Triangle3>;
+
+  // The t of the first hit, or infinity.
+  virtual float FirstHit(const Ray<3>& ray) const = 0;
+  virtual bool IsHit(const Ray<3>& ray) const = 0;
+  // The distance of the closest point.
+  virtual float Distance(const Point<3>& point) const = 0;
+};
+
 }  // namespace halfspace::bench
 
 #endif  // HALFSPACE_BENCH_BASELINES_BOX_TREE_H_

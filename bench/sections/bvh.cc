@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -23,6 +24,7 @@
 #include "bench/worlds/random.h"
 #include "halfspace/bvh_nearest.h"
 #include "halfspace/bvh_pairs.h"
+#include "halfspace/mesh.h"
 #include "halfspace/reject.h"
 
 namespace halfspace::bench {
@@ -345,6 +347,100 @@ void RunSearches(Run& run, const BoxSet<3>& set, Table& table) {
   nearest.Time(run.effort.repetitions, table);
 }
 
+// About so many triangles: a sphere with bumps.
+std::vector<Triangle3> BumpySphere(std::size_t triangles) {
+  constexpr double kPi = 3.14159265358979;
+  const auto rows =
+      static_cast<std::size_t>(std::sqrt(static_cast<double>(triangles) / 4));
+  const auto at = [rows](std::size_t row, std::size_t column) {
+    const double down =
+        kPi * static_cast<double>(row) / static_cast<double>(rows);
+    const double around =
+        kPi * static_cast<double>(column) / static_cast<double>(rows);
+    const double radius = 40 + 4 * std::sin(7 * down) * std::sin(9 * around);
+    return Point3{
+        static_cast<float>(radius * std::sin(down) * std::cos(around)),
+        static_cast<float>(radius * std::sin(down) * std::sin(around)),
+        static_cast<float>(radius * std::cos(down))};
+  };
+  std::vector<Triangle3> sphere;
+  for (std::size_t row = 0; row < rows; ++row) {
+    for (std::size_t column = 0; column < 2 * rows; ++column) {
+      const Point3 a = at(row, column);
+      const Point3 c = at(row + 1, column + 1);
+      sphere.push_back({a, at(row + 1, column), c});
+      sphere.push_back({a, c, at(row, column + 1)});
+    }
+  }
+  return sphere;
+}
+
+// Rays and points in all directions and places, on triangles.
+void RunTriangles(Run& run, std::size_t objects, Table& table) {
+  constexpr std::size_t kChecked = 1000;
+  constexpr float kHalfWorld = 50.0f;
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  const std::vector<Triangle3> triangles = BumpySphere(objects);
+  const TriangleMesh mesh(triangles);
+  const Target target = run.best();
+  Random random(run.options.seed);
+  std::vector<Ray3> rays(kTimedQueries);
+  for (Ray3& ray : rays) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      ray.origin[k] = kHalfWorld * random.Signed();
+      ray.direction[k] = random.Signed();
+    }
+    ray.max_t = kFar;
+  }
+  const auto first = [&](std::size_t q) {
+    MeshHit hit;
+    mesh.FirstHits({&rays[q], 1}, {&hit, 1}, target);
+    return hit.t;
+  };
+  const auto is_hit = [&](std::size_t q) {
+    bool hits = false;
+    mesh.Occluded({&rays[q], 1}, {&hits, 1}, target);
+    return hits ? 1.0f : 0.0f;
+  };
+  const auto distance = [&](std::size_t q) {
+    MeshPoint closest;
+    mesh.ClosestPoints({&rays[q].origin, 1}, {&closest, 1}, kFar, target);
+    return closest.distance;
+  };
+  const auto time = [&](const std::string& name, const auto& ours,
+                        const auto& its) {
+    // As floats compute it.
+    const auto is_right = [&](std::size_t q, float answer) {
+      const float expected = ours(q);
+      return answer == expected ||
+             std::abs(answer - expected) < 1e-3f * (1 + expected);
+    };
+    Search<float> search{run,   name,     triangles.size(),
+                         false, kChecked, is_right};
+    search.Add("mesh", NameOf(target), 2000, ours);
+    for (const auto& competitor : Registered<TriangleTree>::All()) {
+      search.Add(competitor.name, "", 2000,
+                 [its, tree = std::shared_ptr<const TriangleTree>(
+                           competitor.make(triangles))](std::size_t q) {
+                   return its(*tree, q);
+                 });
+    }
+    search.Time(run.effort.repetitions, table);
+  };
+  time("first hits of rays", first,
+       [&](const TriangleTree& tree, std::size_t q) {
+         return tree.FirstHit(rays[q]);
+       });
+  time("any hits of rays", is_hit,
+       [&](const TriangleTree& tree, std::size_t q) {
+         return tree.IsHit(rays[q]) ? 1.0f : 0.0f;
+       });
+  time("closest points", distance,
+       [&](const TriangleTree& tree, std::size_t q) {
+         return tree.Distance(rays[q].origin);
+       });
+}
+
 }  // namespace
 
 Tables RunBvh(Run& run) {
@@ -388,6 +484,8 @@ Tables RunBvh(Run& run) {
       [&](std::size_t objects) { RunJobs(run, uniform(objects), jobs); });
   add({most},
       [&](std::size_t objects) { RunSearches(run, uniform(objects), table); });
+  add({std::min<std::size_t>(most, 100'000)},
+      [&](std::size_t objects) { RunTriangles(run, objects, table); });
   return {table, jobs};
 }
 

@@ -1,5 +1,5 @@
 // The calls of triangles.h.
-#include "halfspace/triangles.h"
+#include "dispatch/bvh/triangles.h"
 
 #include <algorithm>
 #include <array>
@@ -271,9 +271,8 @@ class ClosestOnTriangle {
 
 }  // namespace
 
-float HitTriangle(const Ray<3>& ray, const Triangle<3>& triangle) {
+float dispatch::HitOf(const Ray<3>& ray, const Triangle<3>& triangle) {
   constexpr float kMiss = std::numeric_limits<float>::infinity();
-  const dispatch::DefaultFpMode mode;
   const std::array<const Point<3>*, 3> corners = {&triangle.a, &triangle.b,
                                                   &triangle.c};
   const Vector direction = ToDouble(ray.direction);
@@ -314,8 +313,8 @@ float HitTriangle(const Ray<3>& ray, const Triangle<3>& triangle) {
   return rounded <= ray.max_t ? rounded : kMiss;
 }
 
-TrianglePoint ClosestPoint(const Point<3>& point, const Triangle<3>& triangle) {
-  const dispatch::DefaultFpMode mode;
+TrianglePoint dispatch::ClosestOf(const Point<3>& point,
+                                  const Triangle<3>& triangle) {
   const Vector way = ClosestOnTriangle(point, triangle).Find();
   TrianglePoint result;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -323,6 +322,16 @@ TrianglePoint ClosestPoint(const Point<3>& point, const Triangle<3>& triangle) {
   }
   result.distance = static_cast<float>(std::sqrt(Dot(way, way)));
   return result;
+}
+
+float HitTriangle(const Ray<3>& ray, const Triangle<3>& triangle) {
+  return dispatch::InDefaultFpMode(
+      [&] { return dispatch::HitOf(ray, triangle); });
+}
+
+TrianglePoint ClosestPoint(const Point<3>& point, const Triangle<3>& triangle) {
+  return dispatch::InDefaultFpMode(
+      [&] { return dispatch::ClosestOf(point, triangle); });
 }
 
 }  // namespace halfspace

@@ -26,7 +26,8 @@
 //   runner.h       the caller's threads, for builds and refits of a BVH
 //   bvh_shapes.h   BVH queries by points, spheres, oriented boxes and others
 //   bvh_nearest.h  k nearest, ray casts and box casts on a BVH
-//   triangles.h    rays that hit triangles, and closest points of triangles
+//   mesh.h         rays and closest points on triangles that do not move
+//   triangles.h    the same of one triangle
 //   bvh_pairs.h    all overlapping pairs of such worlds
 //   pair_events.h  which of these pairs began and ended since the last frame
 //   broad_phase.h  moving bodies: queries and pairs beside changes
@@ -53,6 +54,7 @@
 #include "halfspace/kernels.h"        // IWYU pragma: export
 #include "halfspace/mask.h"           // IWYU pragma: export
 #include "halfspace/memory.h"         // IWYU pragma: export
+#include "halfspace/mesh.h"           // IWYU pragma: export
 #include "halfspace/pair_events.h"    // IWYU pragma: export
 #include "halfspace/planes.h"         // IWYU pragma: export
 #include "halfspace/quantized.h"      // IWYU pragma: export

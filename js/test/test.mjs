@@ -8,7 +8,7 @@ import { inspect } from 'node:util';
 import * as halfspace from 'halfspace';
 import { hasChromium, postedBy } from './chromium.mjs';
 
-const { BVH, NO_ID } = halfspace;
+const { BVH, NO_ID, TriangleMesh } = halfspace;
 const data = process.env.HALFSPACE_TEST_DATA;
 
 // Numbers in [0, 1), the same in each run.
@@ -168,24 +168,27 @@ test('rays that hit triangles, and closest points', () => {
     const at = place(20);
     return some(3, () => place(6).map((value, k) => at[k] + value));
   });
-  const tree = new BVH(triangles.flatMap((corners) =>
-    around(corners.map((corner) => [...corner, ...corner]), 3)), { dimensions: 3 });
+  const corners = triangles.flat(2);
   const isNear = (a, b) => a === b || Math.abs(a - b) <= 1e-6 * (1 + b);
-  for (const erased of [0, 250]) {
-    tree.erase(some(erased, (_, id) => id));
+  const indices = triangles.flatMap((_, i) => [3 * i, 3 * i + 1, 3 * i + 2]);
+  for (const faces of [undefined, indices]) {
+    const mesh = new TriangleMesh(Float32Array.from(corners), faces);
+    assert.equal(mesh.size, 300);
     const rays = some(200, () =>
       [place(25), minus(place(7), [3, 3, 3]), next() < 0.5 ? 3 : Infinity]);
     const points = some(200, () => place(30));
-    const hits = tree.raycastMany(rays.flat(2), Float32Array.from(triangles.flat(2)));
-    const near = tree.closestPoints(points.flat(), triangles.flat(2), 4.1);
+    const hits = mesh.raycastMany(rays.flat(2));
+    const near = mesh.closestPoints(points.flat(), 4.1);
+    assert.deepEqual([...mesh.occluded(rays.flat(2))],
+      [...hits.ids].map((id) => (id === NO_ID ? 0 : 1)));
     for (const [ids, values, rows, measure] of [[hits.ids, hits.ts, rays, hit],
       [near.ids, near.distances, points, (...of) => (away(...of) < 4.1 ? away(...of) : Infinity)]]) {
       assert.ok(ids.includes(NO_ID) && ids.some((id) => id !== NO_ID));
       rows.forEach((row, i) => {
         const measured = triangles.map((triangle) => measure(row, triangle));
-        const least = Math.min(...measured.slice(erased));
+        const least = Math.min(...measured);
         assert.ok(isNear(values[i], least));
-        assert.ok(ids[i] >= erased && isNear(measured[ids[i]] ?? Infinity, least));
+        assert.ok(isNear(measured[ids[i]] ?? Infinity, least));
       });
     }
     near.ids.forEach((id, i) => {
@@ -194,6 +197,9 @@ test('rays that hit triangles, and closest points', () => {
       assert.ok(isNear(Math.hypot(...minus(points[i], closest)), near.distances[i]));
       assert.ok(isNear(away([...closest], triangles[id]), 0));
     });
+    mesh.dispose();
+    mesh.dispose();
+    assert.throws(() => mesh.occluded([]), /disposed/);
   }
 });
 
@@ -258,7 +264,7 @@ test('bytes that were altered with their checksum', () => {
 });
 
 const flat = new BVH([0, 0, 1, 1]);
-const solid = new BVH([0, 0, 0, 1, 1, 1], { dimensions: 3 });
+const mesh = new TriangleMesh([0, 0, 0, 1, 0, 0, 0, 1, 0]);
 const gone = new BVH([]);
 gone.dispose();
 gone.dispose();
@@ -288,11 +294,16 @@ for (const [argument, call] of [
   ['direction', () => flat.raycast([0, 0], [1])],
   ['rays[3]', () => flat.raycastMany(Float32Array.of(0, 0, 1, NaN, 9))],
   ['maxT', () => flat.raycast([0, 0], [1, 0], -1)],
-  ['dimensions', () => flat.raycastMany([0, 0, 1, 1, 9], new Float32Array(9))],
-  ['triangles', () => solid.raycastMany([0, 0, 0, 1, 1, 1, 9], [])],
-  ['triangles', () => solid.closestPoints([0, 0, 0], new Float32Array(10))],
-  ['points[2]', () => solid.closestPoints([0, 0, NaN], new Float32Array(9))],
-  ['maxDistance', () => solid.closestPoints([0, 0, 0], new Float32Array(9), -1)],
+  ['vertices', () => new TriangleMesh([0, 0])],
+  ['vertices', () => new TriangleMesh([0, 0, 0])],
+  ['vertices[1]', () => new TriangleMesh([0, NaN, 0])],
+  ['faces', () => new TriangleMesh([0, 0, 0], [0])],
+  ['faces', () => new TriangleMesh([0, 0, 0], [0, 0, 1])],
+  ['faces[1]', () => new TriangleMesh([0, 0, 0], [0, -1, 0])],
+  ['rays', () => mesh.raycastMany([0])],
+  ['rays', () => mesh.occluded([0, 0, 0, 1, 0, 0, -1])],
+  ['points[2]', () => mesh.closestPoints([0, 0, NaN])],
+  ['maxDistance', () => mesh.closestPoints([0, 0, 0], -1)],
   ['margin', () => flat.pairs(1e39)],
   ['other', () => flat.join({})],
   ['other', () => flat.join(new BVH([], { dimensions: 3 }))],

@@ -386,6 +386,7 @@ def triangles_of(geos, scale, rng):
     triangles, count = bumps(200_000 // scale), 20_000 // scale
     flat = triangles.reshape(-1, 3)
     tree = hs.BVH(np.hstack([triangles.min(1), triangles.max(1)]))
+    mesh = hs.TriangleMesh(flat, np.arange(len(flat)).reshape(-1, 3))
     origins = as_floats(3 * rng.standard_normal((count, 3)))
     ways = as_floats(0.5 * rng.standard_normal((count, 3)) - origins)
 
@@ -406,10 +407,10 @@ def triangles_of(geos, scale, rng):
         return least_of_each(rows, distances_to(places[rows], triangles[ids]), count)
 
     peer = f"numpy {np.__version__} over candidates"
-    yield ("triangles", count, "raycast(..., triangles=)", peer,
-           lambda: tree.raycast(origins, ways, triangles=triangles)[1], cast, np.asarray, almost)
-    yield ("triangles", count, "closest_point(points, triangles)", peer,
-           lambda: tree.closest_point(places, triangles)[1], closest, np.asarray, almost)
+    yield ("triangles", count, "TriangleMesh.raycast", peer,
+           lambda: mesh.raycast(origins, ways)[1], cast, np.asarray, almost)
+    yield ("triangles", count, "TriangleMesh.closest_point", peer,
+           lambda: mesh.closest_point(places)[1], closest, np.asarray, almost)
 
 
 def table_of(rows):

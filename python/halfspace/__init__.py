@@ -8,6 +8,7 @@
     i, j = hs.join(tree, hs.BVH(boxes2))
 
     bodies = hs.BroadPhase()                   # boxes that move in each frame
+    mesh = hs.TriangleMesh(vertices, faces)    # rays and closest points
 """
 
 from typing import List
@@ -16,9 +17,18 @@ from ._broad_phase import BroadPhase
 from ._bvh import BVH, bounds_of_triangles, join
 from ._halfspace import targets as _targets
 from ._halfspace import version as __version__
+from ._mesh import TriangleMesh
 from ._scan import Scan
 
-__all__ = ["BVH", "BroadPhase", "Scan", "bounds_of_triangles", "join", "targets"]
+__all__ = [
+    "BVH",
+    "BroadPhase",
+    "Scan",
+    "TriangleMesh",
+    "bounds_of_triangles",
+    "join",
+    "targets",
+]
 
 
 def targets() -> List[str]:
@@ -31,6 +41,6 @@ def targets() -> List[str]:
 
 
 # Where users import them from, and what they see in messages and pickles.
-for _object in (BVH, BroadPhase, Scan, bounds_of_triangles, join):
+for _object in (BVH, BroadPhase, Scan, TriangleMesh, bounds_of_triangles, join):
     _object.__module__ = __name__
 del _object

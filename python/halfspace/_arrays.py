@@ -244,18 +244,6 @@ def vertices(value: Any, name: str) -> np.ndarray:
     return table.arrays[0]
 
 
-def triangles(value: Any, least: int) -> Table:
-    """At least so many triangles, as 9 columns."""
-    array = numbers(value, "triangles")
-    _check_shape(array.shape[1:] == (3, 3), array, "triangles", "shape (n, 3, 3)")
-    if len(array) < least:
-        raise ValueError(
-            f"triangles: expected one for each of the ids up to {least - 1}, got "
-            f"{len(array)}"
-        )
-    return _without_nan(array.reshape(-1, 9), "triangles")
-
-
 def faces(value: Any, name: str, count: int) -> np.ndarray:
     """Triples of indices below `count`, as a contiguous array of uint32."""
     array = _array(value, name)

@@ -326,16 +326,11 @@ class Searches:
         max_t: Any,
         all_hits: bool,
         how: _arrays.How,
-        triangles: Optional[Tuple[_arrays.Arrays, bool]] = None,
     ) -> Tuple[Any, Any]:
-        """Casts to boxes, or rays to triangles."""
         arrays, motions, single = _arrays.casts(
             starts, name, directions, max_t, self.dims
         )
-        if triangles is None:
-            ids, t = self._tree.cast(arrays, motions, bool(all_hits), how)
-        else:
-            ids, t = self._tree.cast_to_triangles(arrays, *triangles, bool(all_hits), how)
+        ids, t = self._tree.cast(arrays, motions, bool(all_hits), how)
         if all_hits:
             return (ids[1] if single else ids), t
         return (int(ids[0, 0]), float(t[0, 0])) if single else (ids[:, 0], t[:, 0])

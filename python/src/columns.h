@@ -17,6 +17,7 @@ namespace halfspace::python {
 
 // What the files add to the extension module.
 void DefineBroadPhase(pybind11::module_& module);
+void DefineMesh(pybind11::module_& module);
 void DefineScan(pybind11::module_& module);
 void DefineTree(pybind11::module_& module);
 
@@ -84,6 +85,14 @@ struct Columns : hs_columns {
 // what the ones before them read.
 std::vector<std::uint32_t> OrderByPlace(const Columns& records,
                                         std::size_t dims, Work& work);
+// Whether that can pay: with fewer queries it does not, nor in a tree of fewer
+// objects, which is in the cache.
+inline constexpr std::size_t kLargeTree = 200'000;
+inline bool CanSort(const Columns& queries) {
+  constexpr std::size_t kFewQueries = 8192;
+  constexpr auto kMostObjects = std::size_t{1} << 31;
+  return queries.count >= kFewQueries && queries.count < kMostObjects;
+}
 
 // The box that a plain array has. No record if the array needs a closer look.
 hs_columns BoxIn(const pybind11::array& array, std::size_t dims);

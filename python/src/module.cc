@@ -59,6 +59,7 @@ PYBIND11_MODULE(_halfspace, module) {
   });
   module.def("bounds_of_triangles", &BoundsOfTriangles);
   DefineBroadPhase(module);
+  DefineMesh(module);
   DefineTree(module);
   DefineScan(module);
 }

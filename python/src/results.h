@@ -10,6 +10,7 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -270,6 +271,44 @@ pybind11::tuple FindIdsAndFloats(const Columns& queries, std::size_t each,
   });
   work.Finish();
   return pybind11::make_tuple(ids.array(), floats.array());
+}
+
+// Which of two functions of C has this last output.
+template <typename Of>
+constexpr bool kFindsAll = std::is_same_v<Of, void*>;
+
+// The hits of the casts of a part.
+struct Hits {
+  std::vector<Found>* list;
+  std::size_t* ends;
+
+  // A hs_hit_function.
+  static float Add(void* hits, std::size_t cast, std::uint32_t id, float t) {
+    const auto& its = *static_cast<Hits*>(hits);
+    its.list->push_back({t, id});
+    its.ends[cast] = its.list->size();
+    return std::numeric_limits<float>::infinity();
+  }
+};
+
+// The first hits or, sorted by t, all hits of casts. cast(part, ids, ts) writes
+// the first ones of a part, and cast(part, function, context) calls a function
+// for all of them.
+template <typename Call>
+pybind11::tuple FindHits(const Columns& queries, bool finds_all, Work& work,
+                         const Call& cast) {
+  if (!finds_all) return FindIdsAndFloats(queries, 1, kPartQueries, work, cast);
+  return FindLists(
+      queries, kPartQueries, work,
+      [&](const QueryPart& part, std::vector<Found>& list, std::size_t* ends) {
+        Hits hits{&list, ends};
+        cast(part, &Hits::Add, static_cast<void*>(&hits));
+        for (std::size_t i = 0, begin = 0; i < part.queries.count; ++i) {
+          ends[i] = std::max(begin, ends[i]);
+          std::sort(list.data() + begin, list.data() + ends[i]);
+          begin = ends[i];
+        }
+      });
 }
 
 }  // namespace halfspace::python

@@ -71,10 +71,7 @@ struct Searches {
           work(WorkOf(how)),
           reading(world),
           queries(arrays) {
-      constexpr std::size_t kFewQueries = 8192;
-      constexpr auto kMostObjects = std::size_t{1} << 31;
-      constexpr std::size_t kLargeTree = 200'000;
-      if (queries.count < kFewQueries || queries.count >= kMostObjects) return;
+      if (!CanSort(queries)) return;
       const pybind11::gil_scoped_release release;
       std::size_t size = 0;
       Check(Its::kSize(world.get(), &size));
@@ -268,7 +265,8 @@ struct Searches {
     const auto& functions =
         its.queries.size == 2 * world.dims ? Its::kBoxcast : Its::kSpherecast;
     return FindHits(
-        its, finds_all, [&](const QueryPart& part, auto to, auto of) {
+        its.queries, finds_all, its.work,
+        [&](const QueryPart& part, auto to, auto of) {
           constexpr bool kAll = kFindsAll<decltype(of)>;
           std::vector<std::byte> copy;
           const hs_columns some = ways.Part(part.first, kPartQueries, copy);
@@ -278,33 +276,6 @@ struct Searches {
                     : std::get<kAll>(functions)(world.get(), &part.queries,
                                                 &some, &its.options, to, of));
         });
-  }
-
-  // Which of two functions of C has this last output.
-  template <typename Of>
-  static constexpr bool kFindsAll = std::is_same_v<Of, void*>;
-
-  // The first hits or, sorted by t, all hits of casts. cast(part, ids, ts)
-  // writes the first ones of a part, and cast(part, function, context) calls a
-  // function for all of them.
-  template <typename Call>
-  static pybind11::tuple FindHits(Search& its, bool finds_all,
-                                  const Call& cast) {
-    if (!finds_all) {
-      return FindIdsAndFloats(its.queries, 1, kPartQueries, its.work, cast);
-    }
-    return FindLists(its.queries, kPartQueries, its.work,
-                     [&](const QueryPart& part, std::vector<Found>& list,
-                         std::size_t* ends) {
-                       Hits hits{&list, ends};
-                       cast(part, &Hits::Add, static_cast<void*>(&hits));
-                       for (std::size_t i = 0, begin = 0;
-                            i < part.queries.count; ++i) {
-                         ends[i] = std::max(begin, ends[i]);
-                         std::sort(list.data() + begin, list.data() + ends[i]);
-                         begin = ends[i];
-                       }
-                     });
   }
 
   // `wanted` has an element for each id, or none. The pairs are rows.
@@ -347,18 +318,6 @@ struct Searches {
   }
 
  private:
-  struct Hits {
-    std::vector<Found>* list;
-    std::size_t* ends;
-
-    static float Add(void* hits, std::size_t cast, std::uint32_t id, float t) {
-      const auto& its = *static_cast<Hits*>(hits);
-      its.list->push_back({t, id});
-      its.ends[cast] = its.list->size();
-      return INFINITY;
-    }
-  };
-
   // Appends the k objects of a row of k + 1, and those as far as the last of
   // them. Searches for more and more until one is farther.
   template <typename Find>

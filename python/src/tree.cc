@@ -748,91 +748,6 @@ Ids PairsOf(Tree& tree, Tree* b, float margin, bool is_round,
   return ids;
 }
 
-// A copy of a tree with the boxes of triangles that are elsewhere, in the order
-// of the tree. O(n), as the conversion of the triangles is.
-Bvh TreeOf(const Tree& tree, const hs_columns& triangles) {
-  std::size_t count = 0;
-  Check(hs_bvh_id_limit(tree.get(), &count));
-  if (triangles.count < count) ThrowNotPrepared();
-  std::vector<float> boxes(6 * count);
-  for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto at = [&](std::size_t corner) {
-        return static_cast<const float*>(
-            triangles.column[3 * corner + k])[i * triangles.stride];
-      };
-      const auto [min, max] = std::minmax({at(0), at(1), at(2)});
-      boxes[6 * i + k] = min;
-      boxes[6 * i + 3 + k] = max;
-    }
-  }
-  const void* data = nullptr;
-  std::size_t size = 0;
-  Check(hs_bvh_blob(tree.get(), &data, &size));
-  const hs_bvh_config config = ConfigOf(3);
-  hs_bvh* bvh = nullptr;
-  Check(hs_bvh_in_place(&config, data, size, &bvh));
-  Bvh moved(bvh);
-  const hs_columns records = hs_float_rows(boxes.data(), count, 6);
-  Check(hs_bvh_refit(bvh, &records, nullptr, nullptr));
-  return moved;
-}
-
-// A tree in which to search triangles: the tree itself, or a copy if the
-// triangles and the queries were moved to an origin.
-struct TriangleTree {
-  TriangleTree(const Tree& tree, const Columns& triangles, bool is_moved)
-      : bvh(tree.get()) {
-    if (triangles.size != 9 || triangles.type != HS_FLOAT32) ThrowNotPrepared();
-    if (!is_moved) return;
-    const py::gil_scoped_release release;
-    moved = TreeOf(tree, triangles);
-    bvh = moved.get();
-  }
-
-  Bvh moved;
-  const hs_bvh* bvh;
-};
-
-// The first triangles that rays hit, or all of them, sorted by t. Triangle i is
-// that of object i.
-py::tuple CastToTriangles(Tree& tree, const py::tuple& rays,
-                          const py::tuple& its_triangles, bool is_moved,
-                          bool finds_all, const py::tuple& how) {
-  using Its = Searches<Tree>;
-  constexpr std::pair kCast{&hs_bvh_raycast_triangles,
-                            &hs_bvh_raycast_triangles_each};
-  const Columns triangles(its_triangles);
-  Its::Search its(tree, rays, how);
-  const TriangleTree in(tree, triangles, is_moved);
-  return Its::FindHits(
-      its, finds_all, [&](const QueryPart& part, auto to, auto of) {
-        Check(std::get<Its::kFindsAll<decltype(of)>>(kCast)(
-            in.bvh, &part.queries, &triangles, &its.options, to, of));
-      });
-}
-
-// The triangles that are closest to points, their distances and the points on
-// them, of shape (n, 3).
-py::tuple ClosestPoints(Tree& tree, const py::tuple& points,
-                        const py::tuple& its_triangles, bool is_moved,
-                        float max_distance, const py::tuple& how) {
-  const Columns triangles(its_triangles);
-  Searches<Tree>::Search its(tree, points, how);
-  const TriangleTree in(tree, triangles, is_moved);
-  const Output<float> closest(its.queries, 3);
-  const py::tuple found = FindIdsAndFloats(
-      its.queries, 1, kPartQueries, its.work,
-      [&](const QueryPart& part, std::uint32_t* ids, float* distances) {
-        std::vector<float> places(3 * part.queries.count);
-        Check(hs_bvh_closest_points(in.bvh, &part.queries, &triangles,
-                                    max_distance, &its.options, ids,
-                                    places.data(), distances));
-        closest.Store(part.first, places);
-      });
-  return py::make_tuple(found[0], found[1], closest.array());
-}
-
 ShortIds Insert(Tree& tree, const py::tuple& arrays) {
   const Columns boxes(arrays);
   ShortIds ids(Size(boxes.count));
@@ -994,8 +909,6 @@ void DefineTree(py::module_& module) {
       .def("blob", &BlobOf)
       .def("save", &Save)
       .def("pairs", &PairsOf)
-      .def("cast_to_triangles", &CastToTriangles)
-      .def("closest_points", &ClosestPoints)
       .def("insert", &Insert)
       .def("insert_as", &SetSome<&hs_bvh_insert_as>)
       .def("erase", &Erase)

@@ -56,7 +56,7 @@ def test_targets():
 
 # More than 8191 queries of a large tree are sorted first.
 @pytest.fixture(params=[(3000, 3000), (200_000, 9000)])
-def mesh(request, rng):
+def scene(request, rng):
     """Triangles beside each other, of which triangle i has Z = i, and places in some."""
     count, places = request.param
     order, z = rng.permutation(count).astype(float), np.arange(count)
@@ -66,46 +66,48 @@ def mesh(request, rng):
     return triangles, some, np.stack([x[some, 0] + 0.5, np.full(places, 0.5), some], axis=1)
 
 
-def tree_of(triangles):
-    return hs.BVH(np.hstack([triangles.min(axis=1), triangles.max(axis=1)]))
+def mesh_of(triangles):
+    return hs.TriangleMesh(triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3))
 
 
-def test_rays_hit_triangles(rng, mesh):
-    triangles, _, places = mesh
+def test_rays_hit_triangles(rng, scene):
+    triangles, _, places = scene
     both = np.concatenate([triangles, triangles - [0, 0, 10]])
-    tree, down = tree_of(both), [0, 0, -2]
+    mesh, down = mesh_of(both), [0, 0, -2]
     beside = places + [1, 1, 5]  # in the box, and not in the triangle
     starts = rng.permutation(np.concatenate([places + [0, 0, 5], beside]))
     its = starts[:, 2].astype(int) - 5
     is_hit = starts[:, 1] < 1
-    ids, t = tree.raycast(starts, down, 9, triangles=both, threads=2)
+    ids, t = mesh.raycast(starts, down, 9, threads=2)
     np.testing.assert_array_equal(ids, np.where(is_hit, its, -1))
     np.testing.assert_array_equal(t, np.where(is_hit, 2.5, np.inf))
-    (rows, ids), t = tree.raycast(starts, down, 9, triangles=both, all_hits=True)
+    (rows, ids), t = mesh.raycast(starts, down, 9, all_hits=True)
     np.testing.assert_array_equal(rows, np.flatnonzero(is_hit).repeat(2))
     np.testing.assert_array_equal(ids.reshape(-1, 2), its[is_hit, None] + [0, len(triangles)])
     np.testing.assert_array_equal(t.reshape(-1, 2), [[2.5, 7.5]] * len(places))
-    assert tree.raycast(starts[0], down, triangles=both) == tuple(
-        column[0] for column in tree.raycast(starts[:1], down, triangles=both))
-    assert (tree.raycast(starts, down, triangles=both, mask=0)[0] == -1).all()
+    assert mesh.raycast(starts[0], down) == tuple(
+        column[0] for column in mesh.raycast(starts[:1], down))
+    np.testing.assert_array_equal(mesh.occluded(starts, down, 9, threads=2), is_hit)
+    assert mesh.occluded(starts[0], down) is bool(is_hit[0])
+    assert len(mesh) == len(both) and repr(mesh) == f"<halfspace.TriangleMesh: {len(both)} triangles>"
 
 
-def test_closest_points(mesh):
-    triangles, rows, places = mesh
-    tree, points = tree_of(triangles), places + [0, 0, 0.25]
+def test_closest_points(scene):
+    triangles, rows, places = scene
+    mesh, points = mesh_of(triangles), places + [0, 0, 0.25]
     points[::2, 1] = -1  # an edge is closest
-    ids, distances, closest = tree.closest_point(points, triangles, threads=2)
+    ids, distances, closest = mesh.closest_point(points, threads=2)
     np.testing.assert_array_equal(ids, rows)
     exact = np.where(np.arange(len(rows)) % 2, 0.25, np.hypot(1, 0.25)).astype(np.float32)
     np.testing.assert_array_equal(distances, exact)
     np.testing.assert_array_equal(closest, np.stack(
         [points[:, 0], points[:, 1].clip(0), rows], axis=1))
-    one = tree.closest_point(points[5], triangles)
+    one = mesh.closest_point(points[5])
     assert one[:2] == (ids[5], distances[5]) and one[2].tolist() == closest[5].tolist()
     # Triangles are rounded to the nearest floats.
     some = 0.1 * triangles[:3000]
-    assert (tree_of(some).closest_point(np.float32(some[:, 0]), some)[1] == 0).all()
-    near = tree.closest_point(points, triangles, max_distance=0.25)
+    assert (mesh_of(some).closest_point(np.float32(some[:, 0]))[1] == 0).all()
+    near = mesh.closest_point(points, max_distance=0.25)
     np.testing.assert_array_equal(near[0], np.where(exact <= 0.25, rows, -1))
     assert np.isnan(near[2][::2]).all() and np.isinf(near[1][::2]).all()
 
@@ -129,60 +131,52 @@ def test_a_millimetre_in_national_coordinates(dtypes):
     if dtypes[0] == np.float32:  # now crooked
         out = np.cross(*(triangles[:, 1:] - triangles[:, :1]).astype(float).transpose(1, 0, 2))
         out /= -np.linalg.norm(out, axis=1, keepdims=True)
-    tree = tree_of(triangles)
+    mesh = mesh_of(triangles)
     assert len(triangles) == 722
     for side in (0.001, -0.001):
         starts = (middles + side * out).astype(dtypes[1])
         step = 15 * 2.0**-24  # of the distance from the middle
-        ids, t = tree.raycast(starts, -np.sign(side) * out, triangles=triangles)
+        ids, t = mesh.raycast(starts, -np.sign(side) * out)
         np.testing.assert_array_equal(ids, everyone)
         np.testing.assert_allclose(t, 0.001, rtol=0, atol=4 * step)
-        ids, _ = tree.raycast(starts, np.sign(side) * out, 5, triangles=triangles)
+        ids, _ = mesh.raycast(starts, np.sign(side) * out, 5)
         assert dtypes[0] == np.float32 or (ids == -1).all()
-        (rows, ids), _ = tree.raycast(
-            starts, -np.sign(side) * out, 0.002, triangles=triangles, all_hits=True, threads=2)
+        (rows, ids), _ = mesh.raycast(
+            starts, -np.sign(side) * out, 0.002, all_hits=True, threads=2)
         np.testing.assert_array_equal([rows, ids], [everyone, everyone])
-        ids, distances, closest = tree.closest_point(starts, triangles)
+        ids, distances, closest = mesh.closest_point(starts)
         np.testing.assert_array_equal(ids, everyone)
         np.testing.assert_allclose(distances, 0.001, rtol=0, atol=4 * step)
         assert closest.dtype == np.float64
         np.testing.assert_allclose(closest, middles, rtol=0, atol=4 * step)
-    assert tree.closest_point(np.float32(starts), np.float32(triangles))[2].dtype == np.float32
 
 
-def test_an_origin_changes_no_other_answer(rng, mesh):
-    """Ids that were erased, masks, and queries in another order."""
-    triangles, some, places = mesh
+def test_an_origin_changes_no_other_answer(scene):
+    triangles, some, places = scene
     triangles, places = triangles + [2.0**24, 0, 0], places + [2.0**24, 0, 0.25]
-    tree = tree_of(np.concatenate([triangles, triangles[:1]]))
-    tree.erase([len(triangles), 5])
-    tree.set_masks(1 + np.arange(len(triangles) + 1) % 2)
-    is_there = (some != 5) & (some % 2 == 1)
-    extra = np.concatenate([triangles, triangles[:9]])
-    for got in (tree.raycast(places, [0, 0, -1], 1, triangles=extra, mask=2, threads=2),
-                tree.closest_point(places, extra, max_distance=0.3, mask=2, threads=2)):
-        np.testing.assert_array_equal(got[0], np.where(is_there, some, -1))
-        np.testing.assert_array_equal(got[1], np.where(is_there, 0.25, np.inf))
-    empty = hs.BVH(np.empty((0, 6)))
-    assert empty.raycast([0, 0, 0.1], [1, 0, 0], triangles=np.empty((0, 3, 3))) == (-1, np.inf)
-    infinite = hs.BVH([[-np.inf] * 3 + [np.inf] * 3] * 2)
-    assert infinite.closest_point(places[0], triangles[:2])[0] in (0, 1)
+    mesh = mesh_of(triangles)
+    for got in (mesh.raycast(places, [0, 0, -1], 1, threads=2),
+                mesh.closest_point(places, max_distance=0.3, threads=2)):
+        np.testing.assert_array_equal(got[0], some)
+        np.testing.assert_array_equal(got[1], 0.25)
+    np.testing.assert_array_equal(mesh.occluded(places, [0, 0, -1], 0.2), False)
+    empty = mesh_of(np.empty((0, 3, 3)))
+    assert empty.raycast([0, 0, 0.1], [1, 0, 0]) == (-1, np.inf)
+    infinite = mesh_of(np.array([[[np.inf, 0, 0]] * 3, [[1.0, 0, 0]] * 3]))
+    assert infinite.closest_point([1, 0, 2])[:2] == (1, 2)
 
 
-def test_bad_triangles():
-    tree = hs.BVH(np.tile([0, 0, 0, 1, 1, 1.0], (3, 1)))
-    good = np.ones((3, 3, 3))
-    flat = hs.BVH([[0, 0, 1, 1]])
-    bad = np.where(np.arange(27).reshape(3, 3, 3) == 12, np.nan, 1)
-    closest = lambda *its, **how: tree.closest_point([0, 0, 0], *its, **how)
+def test_bad_mesh_queries():
+    mesh = mesh_of(np.ones((3, 3, 3)))
     for call, text in (
-        (lambda: closest(np.ones((3, 9))), r"triangles: expected shape \(n, 3, 3\), got"),
-        (lambda: closest(good[:2]), "one for each of the ids up to 2, got 2"),
-        (lambda: closest(bad), "triangles.1.: expected numbers, got NaN"),
-        (lambda: flat.raycast([0, 0], [1, 0], triangles=good), "3 dimensions, not of 2"),
-        (lambda: closest(good, max_distance=-1), "max_distance"),
+        (lambda: hs.TriangleMesh([[0, 0]], [[0, 0, 0]]), r"vertices: expected points of shape \(n, 3\)"),
+        (lambda: hs.TriangleMesh([[0, 0, np.nan]], [[0, 0, 0]]), "vertices.0.: expected numbers, got NaN"),
+        (lambda: hs.TriangleMesh([[0, 0, 0]], [[0, 0, 1]]), "faces.0.: expected indices from 0 to 0"),
+        (lambda: mesh.raycast([0, 0], [1, 0]), r"origins: expected points of shape \(n, 3\)"),
+        (lambda: mesh.occluded([0, 0, 0], [1, 0, 0], -1), "max_t"),
+        (lambda: mesh.closest_point([0, 0, 0], max_distance=-1), "max_distance"),
     ):
         with pytest.raises(ValueError, match=text):
             call()
-    assert tree.raycast([0, 0, 0], [1, 1, 1], triangles=good)[0] == -1
-    assert closest(good)[0] == 0
+    assert mesh.raycast([0, 0, 0], [1, 1, 1])[0] == -1
+    assert mesh.closest_point([0, 0, 0])[0] == 0

@@ -467,32 +467,39 @@ static void test_bodies(void) {
   hs_broad_phase_destroy(bodies);
 }
 
-static void test_triangles(void) {
+static void test_meshes(void) {
   const float numbers[18] = {0};
-  const hs_columns boxes = hs_float_rows(kBoxes, 2, 6);
-  const hs_columns columns = hs_float_rows(numbers, 2, 9);
-  const hs_columns few = hs_float_rows(numbers, 1, 9);
+  const uint32_t indices[3] = {0, 1, 2};
+  const hs_columns vertices = hs_float_rows(numbers, 2, 3);
   const hs_columns rays = hs_float_rows(numbers, 1, 7);
-  hs_columns doubles = columns;
-  hs_bvh* const bvh = bvh_of(HS_BOX3, &boxes);
-  hs_bvh* const flat = bvh_of(HS_BOX2, &boxes);
+  const float backward[7] = {0, 0, 0, 0, 0, 0, -1};
+  const hs_columns bad_rays = hs_float_rows(backward, 1, 7);
+  const hs_columns corners = hs_float_rows(numbers, 6, 3);
+  hs_columns doubles = corners;
+  hs_mesh* mesh = NULL;
   uint32_t id = 0;
+  uint8_t is_hit = 0;
   doubles.type = HS_FLOAT64;
-  INVALID(hs_bvh_raycast_triangles, (flat, &rays, &columns, NULL, &id, NULL),
-          "bvh: expected 3 dimensions, got 2");
-  INVALID(hs_bvh_raycast_triangles, (bvh, &rays, &few, NULL, &id, NULL),
-          "triangles->count: expected at least hs_bvh_id_limit(), 2, got 1");
-  INVALID(hs_bvh_closest_points,
-          (bvh, &rays, &columns, -1.0f, NULL, &id, NULL, NULL),
-          "max_distance: expected a number that is not negative, got -1");
-  CHECK(hs_bvh_raycast_triangles(bvh, &rays, &doubles, NULL, &id, NULL) ==
+  INVALID(hs_mesh_create, (&vertices, NULL, 1, NULL, &mesh),
+          "faces: expected at most a third of the 2 vertices, got 1");
+  CHECK(hs_mesh_create(&vertices, indices, 1, NULL, &mesh) ==
         HS_INVALID_ARGUMENT);
-  NOT_NULL(hs_bvh_raycast_triangles, (bvh, NULL, &columns, NULL, &id, NULL),
-           "rays");
-  NOT_NULL(hs_bvh_raycast_triangles_each,
-           (bvh, &rays, &columns, NULL, NULL, NULL), "function");
-  hs_bvh_destroy(flat);
-  hs_bvh_destroy(bvh);
+  CHECK(hs_mesh_create(&doubles, NULL, 2, NULL, &mesh) == HS_INVALID_ARGUMENT);
+  NOT_NULL(hs_mesh_create, (&corners, NULL, 2, NULL, NULL), "mesh");
+  CHECK_OK(hs_mesh_create(&corners, NULL, 2, NULL, &mesh));
+  INVALID(hs_mesh_closest_points,
+          (mesh, &corners, -1.0f, NULL, &id, NULL, NULL),
+          "max_distance: expected a number that is not negative, got -1");
+  INVALID(hs_mesh_raycast, (mesh, &bad_rays, NULL, &id, NULL),
+          "rays->column[6]: expected limits of t that are not negative, got -1 "
+          "of ray 0");
+  INVALID(hs_mesh_occluded, (mesh, &rays, "none", &is_hit),
+          "target: expected null or a name of hs_target_name(), got \"none\"");
+  NOT_NULL(hs_mesh_raycast, (NULL, &rays, NULL, &id, NULL), "mesh");
+  NOT_NULL(hs_mesh_occluded, (mesh, NULL, NULL, &is_hit), "rays");
+  NOT_NULL(hs_mesh_raycast_each, (mesh, &rays, NULL, NULL, NULL), "function");
+  hs_mesh_destroy(mesh);
+  hs_mesh_destroy(NULL);
 }
 
 void test_errors(void) {
@@ -501,5 +508,5 @@ void test_errors(void) {
   test_configurations();
   test_handles_and_outputs();
   test_bodies();
-  test_triangles();
+  test_meshes();
 }

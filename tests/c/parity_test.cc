@@ -1243,7 +1243,7 @@ void TestBroadPhase(bool moves_wait) {
   hs_broad_phase_destroy(bodies);
 }
 
-// Triangles in a BVH, each of which is there twice, against all of them.
+// A mesh, each of whose triangles is there twice, against all of them.
 void TestTriangles() {
   constexpr std::size_t kTriangles = 600;
   const Records some = RandomNumbers(kTriangles / 2, 9, 90);
@@ -1272,14 +1272,17 @@ void TestTriangles() {
   }
   CHECK(hits.size() > kQueries);
   for (Form form : kFloats) {
-    const hs_columns columns = triangles.In(form);
+    // Their corners, one after another or by indices.
+    const Records corners(3, 3,
+                          std::vector<double>(triangles.doubles(0),
+                                              triangles.doubles(kTriangles)));
+    const hs_columns columns = corners.In(form);
     const hs_columns of_rays = rays.In(form);
-    std::vector<float> boxes(6 * kTriangles);
-    CHECK_OK(
-        hs_bound_triangles(HS_BOX3, &columns, nullptr, boxes.data(), nullptr));
-    const hs_columns objects = hs_float_rows(boxes.data(), kTriangles, 6);
-    hs_bvh* const bvh = bvh_of(HS_BOX3, &objects);
-    hs_query_options options = DefaultsOf(&hs_query_options_default);
+    Ids indices(3 * kTriangles);
+    std::iota(indices.begin(), indices.end(), 0u);
+    hs_mesh* mesh = nullptr;
+    CHECK_OK(hs_mesh_create(&columns, form == kRows ? nullptr : indices.data(),
+                            kTriangles, nullptr, &mesh));
     Ids ids(kQueries);
     std::vector<float> values(kQueries);
     const auto are = [&](const auto& expected) {
@@ -1288,13 +1291,18 @@ void TestTriangles() {
       }
       return true;
     };
-    CHECK_OK(hs_bvh_raycast_triangles(bvh, &of_rays, &columns, nullptr,
-                                      ids.data(), values.data()));
+    CHECK_OK(
+        hs_mesh_raycast(mesh, &of_rays, nullptr, ids.data(), values.data()));
     CHECK(are(first));
+    std::vector<std::uint8_t> is_hit(kQueries);
+    CHECK_OK(hs_mesh_occluded(mesh, &of_rays, nullptr, is_hit.data()));
+    for (std::size_t i = 0; i < kQueries; ++i) {
+      CHECK((is_hit[i] == 1) == (first[i].second != HS_NO_ID));
+    }
     const auto casts = [&](float limit) {
       std::pair<float, decltype(hits)> found(limit, {});
-      CHECK_OK(hs_bvh_raycast_triangles_each(
-          bvh, &of_rays, &columns, &options,
+      CHECK_OK(hs_mesh_raycast_each(
+          mesh, &of_rays, nullptr,
           [](void* context, std::size_t ray, std::uint32_t id, float) {
             auto& its = *static_cast<decltype(found)*>(context);
             its.second.emplace_back(ray, id);
@@ -1306,12 +1314,9 @@ void TestTriangles() {
     CHECK(casts(kInfinity) == hits);
     // A negative limit ends the cast of one ray, and not of the others.
     CHECK(casts(-1).size() == rays_that_hit);
-    options.mask = 0;  // which no object has
-    CHECK(casts(kInfinity).empty());
     std::vector<float> on_triangles(3 * kQueries);
-    CHECK_OK(hs_bvh_closest_points(bvh, &of_rays, &columns, kNear, nullptr,
-                                   ids.data(), on_triangles.data(),
-                                   values.data()));
+    CHECK_OK(hs_mesh_closest_points(mesh, &of_rays, kNear, nullptr, ids.data(),
+                                    on_triangles.data(), values.data()));
     CHECK(are(closest));
     for (std::size_t i = 0; i < kQueries; ++i) {
       const bool is_none = closest[i].second == HS_NO_ID;
@@ -1322,7 +1327,7 @@ void TestTriangles() {
                       ClosestPoint(as_rays[i].origin, all[ids[i]]).point.data(),
                       3 * sizeof(float)) == 0);
     }
-    hs_bvh_destroy(bvh);
+    hs_mesh_destroy(mesh);
   }
 }
 

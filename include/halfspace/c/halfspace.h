@@ -726,36 +726,6 @@ HALFSPACE_API hs_status hs_bvh_spherecast_each(
     const hs_bvh* bvh, const hs_columns* spheres, const hs_columns* motions,
     const hs_query_options* options, hs_hit_function function, void* context);
 
-// Triangles (triangles.h): 9 columns of floats, the coordinates of the three
-// corners one after another. Triangle i must be inside of the bound of object
-// i, as hs_bound_triangles() makes it, and there must be at least
-// hs_bvh_id_limit() triangles. The BVH has 3 dimensions. Doubles are
-// HS_INVALID_ARGUMENT.
-//
-// Writes the triangle that each ray hits first, and where. Whether a ray hits a
-// triangle is decided exactly, so no ray passes between triangles that share an
-// edge. A ray through the edge hits both, so the parity of hits does not say
-// whether a point is inside of a closed mesh. The rest is as in
-// hs_bvh_raycast() and hs_bvh_raycast_each(), which have the boxes instead.
-// Many rays take 1.05 to 1.25 times as long as with RayCast() and HitTriangle()
-// in C++ (triangles.h; measured on a Zen 5).
-HALFSPACE_API hs_status hs_bvh_raycast_triangles(
-    const hs_bvh* bvh, const hs_columns* rays, const hs_columns* triangles,
-    const hs_query_options* options, uint32_t* ids, float* ts);
-HALFSPACE_API hs_status hs_bvh_raycast_triangles_each(
-    const hs_bvh* bvh, const hs_columns* rays, const hs_columns* triangles,
-    const hs_query_options* options, hs_hit_function function, void* context);
-
-// Writes the triangle that is closest to each point within `max_distance`,
-// which may be INFINITY; HS_NO_ID and INFINITY if there is none. Of those at
-// the same distance, the one with the least id. Points are 3 columns of floats.
-// `closest` receives 3 coordinates for each point, on the triangle. `closest`
-// and `distances` may be null.
-HALFSPACE_API hs_status hs_bvh_closest_points(
-    const hs_bvh* bvh, const hs_columns* points, const hs_columns* triangles,
-    float max_distance, const hs_query_options* options, uint32_t* ids,
-    float* closest, float* distances);
-
 // The ids of two objects. In a join, `a` is of the first BVH.
 typedef struct hs_id_pair {
   uint32_t a;
@@ -974,6 +944,55 @@ HALFSPACE_API hs_status hs_bvh_map(const hs_bvh_config* config,
 // Returns HS_CORRUPT if the BVH was mapped or refers to bytes, has not changed
 // since, and its bytes do not match their checksum. O(n).
 HALFSPACE_API hs_status hs_bvh_verify(const hs_bvh* bvh);
+
+// Triangle meshes -------------------------------------------------------------
+
+// Triangles that do not move (mesh.h). Whether a ray hits a triangle is decided
+// exactly, so no ray passes between triangles that share an edge. A ray through
+// the edge hits both, so the parity of hits does not say whether a point is
+// inside of a closed mesh. A triangle with a NaN or an infinity is never found.
+typedef struct hs_mesh hs_mesh;
+
+// Builds a mesh of `faces` triangles, and copies their corners. Vertices are 3
+// columns of floats. Triangle i has the vertices indices[3 * i],
+// indices[3 * i + 1] and indices[3 * i + 2]. If `indices` is null, it has the
+// vertices 3 * i, 3 * i + 1 and 3 * i + 2. `allocator` may be null. Doubles are
+// HS_INVALID_ARGUMENT. O(n log n).
+HALFSPACE_API hs_status hs_mesh_create(const hs_columns* vertices,
+                                       const uint32_t* indices, size_t faces,
+                                       const hs_allocator* allocator,
+                                       hs_mesh** mesh);
+// `mesh` may be null.
+HALFSPACE_API void hs_mesh_destroy(hs_mesh* mesh);
+
+// Writes the triangle that each ray hits first, from either side, and where: of
+// those with the least t, the one with the least index. HS_NO_ID and INFINITY
+// if there is none. Rays are as in hs_bvh_raycast(). `target` is the name of a
+// target, or null for the chosen one. `ts` may be null.
+HALFSPACE_API hs_status hs_mesh_raycast(const hs_mesh* mesh,
+                                        const hs_columns* rays,
+                                        const char* target, uint32_t* ids,
+                                        float* ts);
+// Writes 1 for each ray that hits a triangle, and 0 for the others.
+HALFSPACE_API hs_status hs_mesh_occluded(const hs_mesh* mesh,
+                                         const hs_columns* rays,
+                                         const char* target, uint8_t* is_hit);
+// Calls the function for each triangle that a ray hits, as
+// hs_bvh_raycast_each() calls it for boxes.
+HALFSPACE_API hs_status hs_mesh_raycast_each(const hs_mesh* mesh,
+                                             const hs_columns* rays,
+                                             const char* target,
+                                             hs_hit_function function,
+                                             void* context);
+
+// Writes the triangle that is closest to each point within `max_distance`,
+// which may be INFINITY; HS_NO_ID and INFINITY if there is none. Of those at
+// the same distance, the one with the least index. Points are 3 columns of
+// floats. `closest` receives 3 coordinates for each point, on the triangle.
+// `closest` and `distances` may be null.
+HALFSPACE_API hs_status hs_mesh_closest_points(
+    const hs_mesh* mesh, const hs_columns* points, float max_distance,
+    const char* target, uint32_t* ids, float* closest, float* distances);
 
 // The broad phase -------------------------------------------------------------
 
