@@ -17,6 +17,7 @@ namespace halfspace::python {
 
 // What the files add to the extension module.
 void DefineBroadPhase(pybind11::module_& module);
+void DefineGeos(pybind11::module_& module);
 void DefineScan(pybind11::module_& module);
 void DefineTree(pybind11::module_& module);
 
@@ -84,6 +85,9 @@ struct Columns : hs_columns {
 // what the ones before them read.
 std::vector<std::uint32_t> OrderByPlace(const Columns& records,
                                         std::size_t dims, Work& work);
+
+// The BVH of a Tree that nobody changes.
+const hs_bvh* HandleOf(const pybind11::object& tree);
 
 // The box that a plain array has. No record if the array needs a closer look.
 hs_columns BoxIn(const pybind11::array& array, std::size_t dims);

@@ -61,4 +61,5 @@ PYBIND11_MODULE(_halfspace, module) {
   DefineBroadPhase(module);
   DefineTree(module);
   DefineScan(module);
+  DefineGeos(module);
 }
