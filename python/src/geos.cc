@@ -348,7 +348,7 @@ bool IsSwapFaster(const Geometries& given, const std::int64_t* row,
   for (std::size_t i = 0; i < count; ++i) {
     if (i > 0 && row[i] == row[i - 1]) continue;
     ++rows;
-    // With an empty part of it, a prepared line misses the others (GEOS 3.11).
+    // A prepared line misses some parts of it (GEOS 3.11).
     if (geos.type(context, given[row[i]]) == kCollection) return false;
   }
   double a = 0;
