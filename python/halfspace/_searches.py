@@ -69,7 +69,7 @@ class Searches:
         array([1])
         """
         if type(boxes) is np.ndarray and boxes.ndim == 1 and within is None:
-            ids = self._tree.query_one(boxes, _arrays.mask(mask))
+            ids = self._tree.query_one(boxes, _arrays.mask(mask), False)
             if ids is not None:
                 return ids
         if within is None:

@@ -6,22 +6,20 @@
     rows, ids = tree.query(lines, predicate="intersects")
     cities = sjoin(cities, countries, predicate="within")    # GeoDataFrames
 
-Works with shapely 1.8 and 2. Shapely 1.8 makes exact tests one by one, and shapely 2
-makes them in one call.
+Works with shapely 1.8 and 2, on Linux and macOS. All exact tests of a call run in C++,
+without the interpreter's lock, by the functions of the GEOS that shapely has loaded.
 """
 
-import contextlib
 import ctypes
-import math
 import warnings
-from typing import Any, Callable, Iterable, List, Optional, Tuple, Union
+from typing import Any, Iterable, Optional, Tuple, Union
 
 import numpy as np
 import shapely  # type: ignore
-from shapely.errors import ShapelyError  # type: ignore
+from shapely.errors import TopologicalError  # type: ignore
 from shapely.geometry.base import BaseGeometry  # type: ignore
-from shapely.prepared import prep  # type: ignore
 
+from . import _halfspace
 from ._arrays import ALL_MASKS
 from ._bvh import BVH
 
@@ -31,9 +29,26 @@ _PREDICATES = tuple(
     "intersects within contains overlaps crosses touches covers covered_by contains_properly "
     "dwithin".split()
 )
-# The predicates of the swapped pair, as far as prepared geometries decide them faster.
-_INVERSE = {"intersects": "intersects", "within": "contains", "covered_by": "covers"}
-_IS_VECTORISED = hasattr(shapely, "STRtree") and hasattr(shapely, "bounds")
+
+
+def _use_geos() -> None:
+    """Gives the extension module the GEOS that shapely has loaded."""
+    if hasattr(shapely, "lib"):
+        # The functions of the libraries that it needs, too.
+        library: Any = ctypes.PyDLL(shapely.lib.__file__)
+        api, error = shapely.lib._C_API, shapely.lib.GEOSException
+    else:
+        from shapely.geos import lgeos  # type: ignore
+
+        library, api, error = lgeos._lgeos, None, TopologicalError
+
+    def address_of(name: str) -> Optional[int]:
+        return ctypes.cast(library[name], ctypes.c_void_p).value
+
+    _halfspace.use_geos(address_of, api, BaseGeometry, error)
+
+
+_use_geos()
 
 
 class STRtree:
@@ -51,24 +66,22 @@ class STRtree:
     Calls return what those of `shapely.STRtree` of shapely 2 return, and can run on
     several threads. Boxes are compared as doubles. Z is ignored. If GEOS cannot decide
     about a pair, because a geometry is invalid, the error names the geometry.
-
-    In shapely 2 a predicate prepares the given geometries, as `shapely.prepare`, so do not
-    pass the same objects to calls of two threads. Where it is less work, it prepares copies
-    of those that it finds instead.
     """
 
     # How errors name the geometries of a call, and those of the tree.
     _names = ("geometry", "geoms")
 
     def __init__(self, geoms: Iterable[Any], node_capacity: int = 10):
-        self._geometries = _array_of(geoms, "geoms")
-        bounds = _bounds_of(self._geometries)
-        # The index of each geometry that has a box.
-        self._index = np.flatnonzero(~np.isnan(bounds).any(axis=1))
-        self._tree = BVH(bounds[self._index], exact=True)
+        self._its = _halfspace.Geometries(geoms, "geoms")
+        self._geometries = self._its.array()
+        boxes = self._its.bounds.copy()
+        missing = np.flatnonzero(np.isnan(boxes).any(axis=1))
+        boxes[missing] = [np.inf, np.inf, -np.inf, -np.inf]
+        self._tree = BVH(boxes, exact=True)
+        self._tree.erase(missing)
 
     def __len__(self) -> int:
-        return len(self._index)
+        return len(self._tree)
 
     def __reduce__(self) -> Tuple[Any, ...]:
         return STRtree, (self._geometries,)
@@ -107,24 +120,20 @@ class STRtree:
             )
         if predicate != "dwithin" and distance is not None:
             raise ValueError('distance: only the predicate "dwithin" has one')
-        given, is_one = _given(geometry)
-        boxes = _bounds_of(given)
-        if is_one and predicate != "dwithin" and _IS_VECTORISED:
-            try:
-                return self._query_one(given, boxes, predicate)
-            except ShapelyError:
-                pass  # the lines below name the invalid geometry
+        given = _halfspace.Geometries(geometry, "geometry")
+        boxes = given.bounds
         if predicate == "dwithin":
             limits = _limits(distance, len(given))
             boxes = _grown(boxes, np.where(limits >= 0, limits, np.nan))
         rows, ids = self._overlaps(boxes)
         if predicate is not None:
             if predicate == "dwithin":
-                is_kept = self._ask("distance", given, rows, ids) <= limits[rows]
+                far = given.distances(rows, self._its, ids, self._names)
+                is_kept = far <= limits[rows]
             else:
-                is_kept = self._hold(predicate, given, rows, ids)
-            rows, ids = rows if is_one else rows[is_kept], ids[is_kept]
-        return ids if is_one else np.stack([rows, ids])
+                is_kept = given.hold(predicate, rows, self._its, ids, self._names)
+            rows, ids = rows[is_kept], ids[is_kept]
+        return ids if given.is_one else np.stack([rows, ids])
 
     def nearest(self, geometry: Any) -> Union[None, int, np.ndarray]:
         """Returns the index of a nearest geometry of each given one.
@@ -134,14 +143,11 @@ class STRtree:
         """
         if len(self) == 0:
             return None
-        given, is_one = _given(geometry)
-        boxes = _bounds_of(given)
-        if np.isnan(boxes).any():
+        given = _halfspace.Geometries(geometry, "geometry")
+        if np.isnan(given.bounds).any():
             raise ValueError("geometry: expected geometries that are not None and not empty")
-        if is_one and _IS_VECTORISED:
-            return self._nearest_one(given, boxes)
-        found = self._nearest(given, np.inf, exclusive=False, all_matches=False)[1]
-        return found[0] if is_one else found
+        ids = self._nearest(given, np.inf, False, False)[0][1]
+        return ids[0] if given.is_one else ids
 
     def query_nearest(
         self,
@@ -172,194 +178,32 @@ class STRtree:
         limit = _max_distance(max_distance)
         _check_flag(exclusive, "exclusive")
         _check_flag(all_matches, "all_matches")
-        given, is_one = _given(geometry)
-        rows, ids, distances = self._nearest(given, limit, exclusive, all_matches)
-        result = ids if is_one else np.stack([rows, ids])
+        given = _halfspace.Geometries(geometry, "geometry")
+        found, distances = self._nearest(given, limit, exclusive, all_matches)
+        result = found[1] if given.is_one else found
         return (result, distances) if return_distance else result
-
-    # One geometry of shapely 2, by less than a third of the calls for many. Raises
-    # ShapelyError if one is invalid.
-
-    def _query_one(
-        self, given: np.ndarray, box: np.ndarray, predicate: Optional[str]
-    ) -> np.ndarray:
-        found = self._tree._tree.query_one(box[0], ALL_MASKS)
-        if found is None:  # of NaN
-            return self._index[:0]
-        ids = self._index[found]
-        ids.sort()
-        if predicate is None or len(ids) == 0:
-            return ids
-        shapely.lib.prepare(given)  # a copy takes as long as the test
-        return ids[getattr(shapely.lib, predicate)(given, self._geometries[ids])]
-
-    def _nearest_one(self, given: np.ndarray, box: np.ndarray) -> Any:
-        tree, k = self._tree._tree, min(4, len(self))
-        near, far = tree.nearest((box,), k, math.inf, False, False, (ALL_MASKS, 1, None))
-        ids = self._index[near[0]]
-        distances = shapely.lib.distance(given, self._geometries[ids])
-        best = distances.min()
-        if _can_be_others(box, best, far[0, -1], k < len(self)):
-            ids = self._index[tree.query_one(_grown(box, best)[0], ALL_MASKS)]
-            distances = shapely.lib.distance(given, self._geometries[ids])
-        return ids[distances == distances.min()].min()
 
     def _overlaps(self, boxes: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
         """The rows, and the geometries whose boxes overlap theirs. Both ascend."""
+        if len(boxes) == 1:
+            ids = self._tree._tree.query_one(boxes[0], ALL_MASKS, True)
+            if ids is None:  # of NaN
+                ids = np.empty(0, np.int64)
+            return np.zeros(len(ids), np.int64), ids
         used = np.flatnonzero(~np.isnan(boxes).any(axis=1))
         rows, ids = self._tree.query(boxes[used])
         # Both are below 2^31. A quarter of the time of np.lexsort().
-        ordered = rows << 32 | self._index[ids]
+        ordered = rows << 32 | ids
         ordered.sort()
         return used[rows], ordered & (2**32 - 1)
 
     def _nearest(
-        self, given: np.ndarray, limit: float, exclusive: bool, all_matches: bool
-    ) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The rows, the nearest geometries up to the limit, and their distances."""
-
-        def measured(rows: np.ndarray, ids: np.ndarray) -> List[np.ndarray]:
-            distances = self._ask("distance", given, rows, ids)
-            if exclusive:
-                distances[self._are_equal(given, rows, ids, distances)] = np.inf
-            return [rows, ids, distances]
-
-        boxes = _bounds_of(given)
-        left, k, size = np.flatnonzero(~np.isnan(boxes).any(axis=1)), 0, len(self)
-        none: np.ndarray = np.empty(0, np.int64)
-        found = [[none, none, np.empty(0)]]
-        while len(left) and k < size:
-            k = min(8 * k or 4, size)
-            near, far = self._tree.nearest(boxes[left], k)
-            some = measured(np.repeat(left, k), self._index[near.ravel()])
-            best = some[2].reshape(-1, k).min(axis=1)
-            is_open = _can_be_others(boxes[left], best, far[:, -1], k < size)
-            if not is_open.any():
-                found.append(some)
-                break
-            is_closed = np.repeat(~is_open, k)
-            found.append([values[is_closed] for values in some])
-            is_near = is_open & (best < np.inf)
-            wide = left[is_near]
-            rows, ids = self._overlaps(_grown(boxes[wide], best[is_near]))
-            found.append(measured(wide[rows], ids))
-            left = left[is_open & ~is_near]
-        rows, ids, distances = (np.concatenate(values) for values in zip(*found))
-        is_kept = (distances <= limit) & (distances < np.inf)
-        rows, ids, distances = rows[is_kept], ids[is_kept], distances[is_kept]
-        # By distance, then by index, for each row.
-        order = np.lexsort((ids, distances, rows))
-        rows, ids, distances = rows[order], ids[order], distances[order]
-        is_first = np.diff(rows, prepend=-1) != 0
-        if all_matches:
-            first = np.flatnonzero(is_first)
-            least = np.repeat(distances[first], np.diff(first, append=len(rows)))
-            is_first = distances == least
-        return rows[is_first], ids[is_first], distances[is_first]
-
-    def _are_equal(
-        self, given: np.ndarray, rows: np.ndarray, ids: np.ndarray, distances: np.ndarray
-    ) -> np.ndarray:
-        """Which pairs are equal, or cannot be compared. GEOS compares their boxes first."""
-        are_equal = distances == 0
-        rows, ids = rows[are_equal], ids[are_equal]
-        are_equal[are_equal] = self._ask("equals", given, rows, ids, on_error=True)
-        return are_equal
-
-    def _ask(
-        self,
-        call: str,
-        given: np.ndarray,
-        rows: np.ndarray,
-        ids: np.ndarray,
-        on_error: Optional[bool] = None,
-    ) -> np.ndarray:
-        """What a call of shapely returns for pairs of geometries."""
-        if _IS_VECTORISED:
-            try:
-                return getattr(shapely.lib, call)(given[rows], self._geometries[ids])
-            except ShapelyError:
-                pass  # one by one, to find its pair
-        one = lambda a, b: getattr(a, call)(b)
-        dtype = float if call == "distance" else bool
-        return np.array(self._each(one, given, rows, ids, on_error), dtype)
-
-    def _each(
-        self,
-        call: Callable[[Any, Any], Any],
-        given: np.ndarray,
-        rows: np.ndarray,
-        ids: np.ndarray,
-        on_error: Optional[bool] = None,
-    ) -> List[Any]:
-        """The results of call(given, its) for each pair, or `on_error`. Without it, an
-        error of shapely names the invalid geometries of its pair, or both."""
-        results = []
-        for row, index in zip(rows.tolist(), ids.tolist()):
-            pair = given[row], self._geometries[index]
-            try:
-                result = call(*pair)
-            except ShapelyError as error:
-                if on_error is None:
-                    names = [f"{name}[{i}]" for name, i in zip(self._names, (row, index))]
-                    bad = [name for name, its in zip(names, pair) if not its.is_valid]
-                    raise type(error)(f"{' and '.join(bad or names)}: {error}") from error
-                result = on_error
-            results.append(result)
-        return results
-
-    def _test(
-        self, predicate: str, given: np.ndarray, rows: np.ndarray, ids: np.ndarray
-    ) -> np.ndarray:
-        """The tests of pairs in one call of shapely 2, by prepared geometries of one side."""
-        swaps = predicate in _INVERSE
-        if predicate == "intersects" and len(rows):
-            # To prepare a geometry reads its vertices, and a test those of the other side.
-            step, count = len(rows) // 1024 + 1, shapely.lib.get_num_coordinates
-            a, b = count(given[rows[::step]]).mean(), count(self._geometries[ids[::step]]).mean()
-            its_rows, its_ids = 1 + np.count_nonzero(np.diff(rows)), min(len(ids), len(self))
-            swaps = b * its_ids + a * len(rows) < a * its_rows + b * len(rows)
-        sides = (given, rows), (self._geometries, ids)
-        (first, keys), (second, others) = sides[::-1] if swaps else sides
-        test = getattr(shapely.lib, _INVERSE[predicate] if swaps else predicate)
-        # The tests of a prepared geometry follow each other, and its memory is used again by
-        # the next ones, so that all is in the cache.
-        order = np.argsort(keys, kind="stable")
-        holds = np.empty(len(keys), bool)
-        for begin in range(0, len(keys), 4096):
-            some = order[begin : begin + 4096]
-            its = keys[some]
-            is_new = np.diff(its, prepend=-1) != 0
-            used = first[its[is_new]]
-            if swaps:
-                # Another thread can use the tree, and GEOS makes the index of a prepared
-                # geometry during a test, without a lock.
-                used = shapely.lib.set_srid(used, np.intc(0))  # a copy
-            shapely.lib.prepare(used)
-            holds[some] = test(used[np.cumsum(is_new) - 1], second[others[some]])
-        return holds
-
-    def _hold(
-        self, predicate: str, given: np.ndarray, rows: np.ndarray, ids: np.ndarray
-    ) -> np.ndarray:
-        if _IS_VECTORISED:
-            with contextlib.suppress(ShapelyError):  # one by one, to find its pair
-                return self._test(predicate, given, rows, ids)
-            return self._ask(predicate, given, rows, ids)
-        last, test = None, None
-
-        def holds(a: Any, b: Any) -> Any:
-            nonlocal last, test
-            if predicate == "covered_by":
-                return b.covers(a)
-            if a is not last:
-                last, test = a, getattr(prep(a), predicate)
-            try:
-                return test(b)  # type: ignore
-            except AttributeError:  # shapely asks the prepared geometry whether it is valid
-                return getattr(a, predicate)(b)
-
-        return np.array(self._each(holds, given, rows, ids), bool)
+        self, given: Any, limit: float, exclusive: bool, all_matches: bool
+    ) -> Tuple[np.ndarray, np.ndarray]:
+        """The rows and the nearest geometries up to the limit, and their distances."""
+        return given.nearest(
+            self._tree._tree, self._its, limit, exclusive, all_matches, self._names
+        )
 
 
 def sjoin(
@@ -532,93 +376,10 @@ def _joined(
     return joined
 
 
-def _array_of(geometries: Iterable[Any], name: str) -> np.ndarray:
-    """An array of one dimension, which asks no geometry for its parts."""
-    if getattr(geometries, "ndim", 1) != 1:
-        raise TypeError(f"{name}: expected one dimension, got {geometries.ndim}")  # type: ignore
-    items = list(geometries)
-    array = np.empty(len(items), object)
-    for i, item in enumerate(items):
-        if item is not None and not isinstance(item, BaseGeometry):
-            raise TypeError(f"{name}[{i}]: expected a geometry or None, got {item!r}")
-        array[i] = item
-    return array
-
-
-def _given(geometry: Any) -> Tuple[np.ndarray, bool]:
-    """The geometries of a call, and whether it is one."""
-    if isinstance(geometry, BaseGeometry):
-        one = np.empty(1, object)
-        one[0] = geometry
-        return one, True
-    is_one = geometry is None or isinstance(geometry, str)
-    return _array_of([geometry] if is_one else geometry, "geometry"), is_one
-
-
-def _bounds_of(geometries: np.ndarray) -> np.ndarray:
-    """The boxes, of shape (n, 4). NaN of None and of empty geometries."""
-    if _IS_VECTORISED:
-        boxes = np.empty((len(geometries), 4))
-        shapely.lib.bounds(geometries, boxes)
-        return boxes
-    bounds = np.full((len(geometries), 4), np.nan)
-    write, at = _writer_of_bounds(), bounds.ctypes.data
-    for geometry in geometries:
-        if geometry is not None and geometry._geom:
-            write(geometry._geom, at)
-        at += 32
-    return bounds
-
-
-def _writer_of_bounds() -> Callable[[int, int], Any]:
-    """Returns what writes the box of a geometry of GEOS to an address, if it is not empty.
-
-    For shapely 1.8, whose `geometry.bounds` takes 5 to 17 microseconds. GEOS takes half of
-    one, and one before 3.11.
-    """
-    from shapely.geos import lgeos  # type: ignore
-
-    handle = lgeos.geos_handle
-    library = ctypes.PyDLL(lgeos._lgeos._name, handle=lgeos._lgeos._handle)
-
-    def call(name: str, outputs: int) -> Any:
-        function = library[name]
-        function.argtypes = [ctypes.c_void_p] * (2 + outputs)
-        return function
-
-    if hasattr(library, "GEOSGeom_getExtent_r"):
-        extent = call("GEOSGeom_getExtent_r", 4)
-        return lambda geometry, at: extent(handle, geometry, at, at + 8, at + 16, at + 24)
-    x, y, x_max, y_max = (
-        call(f"GEOSGeom_get{side}_r", 1) for side in ("XMin", "YMin", "XMax", "YMax")
-    )
-    return lambda geometry, at: (
-        x(handle, geometry, at),
-        y(handle, geometry, at + 8),
-        x_max(handle, geometry, at + 16),
-        y_max(handle, geometry, at + 24),
-    )
-
-
-def _reach(boxes: np.ndarray, margins: np.ndarray) -> np.ndarray:
-    """The margins, and the error of distances as doubles."""
-    return margins + 2.0**-48 * (margins + np.abs(boxes).max(axis=1, initial=0))
-
-
 def _grown(boxes: np.ndarray, margins: np.ndarray) -> np.ndarray:
     """The boxes, larger by at least the margins and the error of distances."""
-    margins = _reach(boxes, margins)[:, np.newaxis]
-    return np.hstack([boxes[:, :2] - margins, boxes[:, 2:] + margins])
-
-
-def _can_be_others(boxes: np.ndarray, best: Any, far: Any, has_others: bool) -> Any:
-    """Whether there can be nearer ones than the best of the k whose boxes are nearest.
-
-    The others are farther than `far`, whose error is 2^-20. It is inf if boxes are so far
-    away that their distance is no float32.
-    """
-    is_far = np.isinf(far)
-    return is_far | (far * (1 - 2.0**-18) <= _reach(boxes, best)) if has_others else is_far
+    margins = margins + 2.0**-48 * (margins + np.abs(boxes).max(axis=1, initial=0))
+    return np.hstack([boxes[:, :2] - margins[:, np.newaxis], boxes[:, 2:] + margins[:, np.newaxis]])
 
 
 def _limits(distance: Any, count: int) -> np.ndarray:

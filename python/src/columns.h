@@ -17,6 +17,7 @@ namespace halfspace::python {
 
 // What the files add to the extension module.
 void DefineBroadPhase(pybind11::module_& module);
+void DefineGeos(pybind11::module_& module);
 void DefineMesh(pybind11::module_& module);
 void DefineScan(pybind11::module_& module);
 void DefineTree(pybind11::module_& module);
@@ -93,6 +94,9 @@ inline bool CanSort(const Columns& queries) {
   constexpr auto kMostObjects = std::size_t{1} << 31;
   return queries.count >= kFewQueries && queries.count < kMostObjects;
 }
+
+// The BVH of a Tree that nobody changes.
+const hs_bvh* HandleOf(const pybind11::object& tree);
 
 // The box that a plain array has. No record if the array needs a closer look.
 hs_columns BoxIn(const pybind11::array& array, std::size_t dims);

@@ -62,4 +62,5 @@ PYBIND11_MODULE(_halfspace, module) {
   DefineMesh(module);
   DefineTree(module);
   DefineScan(module);
+  DefineGeos(module);
 }

@@ -124,7 +124,7 @@ struct Searches {
   // The same of the box of a plain array, in a third of the time: most of a
   // short query is the way through Python. None if the array is anything else.
   static pybind11::object QueryOne(World& world, const pybind11::array& array,
-                                   std::uint32_t mask) {
+                                   std::uint32_t mask, bool is_sorted) {
     const hs_columns box = BoxIn(array, world.dims);
     if (box.count == 0) return pybind11::none();
     const Reading reading(world);
@@ -142,6 +142,7 @@ struct Searches {
         found = many;
       }
     }
+    if (is_sorted) std::sort(found.begin(), found.begin() + Size(count));
     // Less work than a constructor of py::array.
     const auto& numpy = pybind11::detail::npy_api::get();
     auto size = static_cast<Py_intptr_t>(count);

@@ -899,6 +899,10 @@ std::vector<std::uint32_t> OrderByPlace(const Columns& records,
   return order;
 }
 
+const hs_bvh* HandleOf(const py::object& tree) {
+  return tree.cast<const Tree&>().get();
+}
+
 void DefineTree(py::module_& module) {
   py::class_<Tree> of(module, "Tree");
   Searches<Tree>::Define(of);

@@ -11,6 +11,7 @@ from dask_forms import (chunked, client, distributed, form, no_client, pairs_of,
                         pd, skewed, special, table, uniform, unknown_sizes)
 
 import dask.core
+import dask.dataframe
 import dask.sizeof
 
 import halfspace as hs
@@ -175,11 +176,48 @@ def test_large_joins_have_few_tasks(no_client):
     query = tree.query(boxes)
     query.compute(scheduler=get)
     # With the tasks of the build. Trips are those to all partitions, and back.
-    for result, trips in ((tree, 1), (query, 3), (tree.nearest(boxes), 5), (tree.pairs(), 2)):
+    for result, trips in ((tree, 1), (query, 3), (tree.nearest(boxes), 5)):
         tasks = len(result.__dask_graph__())
         assert tasks < 2_000_000
         assert tasks / many < (2 * trips + 1) * math.sqrt(many) + 20
+    assert len(tree.pairs().__dask_graph__()) < len(tree.__dask_graph__()) + 6 * many
     assert ready[0] <= len(query.__dask_graph__())
+
+
+@pytest.mark.parametrize("how", ["inner", "left"])
+def test_sjoin_is_that_of_one_process(no_client, how):
+    geopandas = pytest.importorskip("geopandas")
+    from shapely.geometry import Point, Polygon, box
+    from halfspace import geo
+
+    rng = np.random.default_rng(22)
+    left = geopandas.GeoDataFrame({"a": range(90)}, geometry=[
+        None if i % 11 == 0 else Point(*place) for i, place in enumerate(rng.random((90, 2)))])
+    left.loc[30:44, "geometry"] = Polygon()
+    right = geopandas.GeoDataFrame({"b": range(40)}, geometry=[
+        box(x, y, x + 0.1, y + 0.1) for x, y in rng.random((40, 2))], index=range(40, 0, -1))
+
+    def parts_of(frame, size, divisions=None):
+        parts = [dask.delayed(frame[i:i + size]) for i in range(0, len(frame), size)]
+        return dask.dataframe.from_delayed(parts, meta=frame[:0], divisions=divisions,
+                                           verify_meta=False)
+
+    its = parts_of(left, 15, (*range(0, 90, 15), 89))
+    for other, predicate, distance in (
+            (parts_of(right, 9), "within", None), (right, "dwithin", 0.05), (right[:0], None, None)):
+        found = hd.sjoin(its, other, how, predicate, distance=distance)
+        assert found.npartitions == 6 and found.divisions == its.divisions
+        expected = geo.sjoin(left, right if len(other) else other, how, predicate,
+                             distance=distance)
+        assert len(expected) > 9 or len(other) == 0
+        pd.testing.assert_frame_equal(found.compute().sort_values(["a", "index_right"]),
+                                      expected.sort_values(["a", "index_right"]))
+    assert hd.sjoin(left, right, how).compute().equals(geo.sjoin(left, right, how))
+    with pytest.raises(TypeError, match="right_df: expected a GeoDataFrame, or partitions"):
+        hd.sjoin(its, dask.dataframe.from_pandas(pd.DataFrame({"a": [1]}), npartitions=1))
+    for options, text in (({"how": "right"}, "how: "), ({"distance": [1]}, "distance: ")):
+        with pytest.raises(ValueError, match=text):
+            hd.sjoin(its, right, **options)
 
 
 def test_partitions_share_skewed_work(client):

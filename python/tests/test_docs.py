@@ -30,6 +30,17 @@ def test_the_program_of_the_readme():
     assert len(names["i"]) == 0
 
 
+def test_each_program_of_the_page_on_clusters(tmp_path):
+    pytest.importorskip("distributed")
+    pytest.importorskip("pandas")
+    page = pathlib.Path(__file__).parents[2] / "docs" / "scale.md"
+    programs = re.findall(r"```python\n(.*?)```", page.read_text(), re.S)
+    for program in programs:
+        (tmp_path / "program.py").write_text(program)
+        subprocess.run([sys.executable, "program.py"], cwd=tmp_path, check=True)
+    assert len(programs) == 2 and len(list((tmp_path / "pairs").iterdir())) > 0
+
+
 def test_every_public_name_has_a_docstring():
     for name in hs.__all__:
         thing = getattr(hs, name)

@@ -1,6 +1,5 @@
 """The calls of halfspace.geo against every pair of geometries by shapely."""
 
-import ctypes
 import pickle
 
 import numpy as np
@@ -150,19 +149,16 @@ def test_nearest_of_boxes_that_are_far_or_many():
     assert tree.query_nearest([Point(-0.5, 0.5)], all_matches=False).tolist() == [[0], [19]]
 
 
-class OldGeos(ctypes.PyDLL):
-    def __getattr__(self, name):
-        if name == "GEOSGeom_getExtent_r":
-            raise AttributeError(name)
-        return super().__getattr__(name)
-
-
-@pytest.mark.skipif(geo._IS_VECTORISED, reason="shapely 2 returns boxes")
-@pytest.mark.parametrize("library", [ctypes.PyDLL, OldGeos])
-def test_boxes_come_from_geos(library, monkeypatch):
-    monkeypatch.setattr(geo.ctypes, "PyDLL", library)
-    expected = [g.bounds if is_there(g) else [np.nan] * 4 for g in GEOMETRIES]
-    np.testing.assert_array_equal(geo._bounds_of(TREE.geometries), expected)
+# Boxes decide about points and rectangles, and about no other polygons of five corners.
+@pytest.mark.parametrize("predicate", ["intersects", "within", "contains", "covers", "covered_by"])
+def test_rectangles_and_points(predicate):
+    inner = [box(2, 2, 4, 4), box(2, 2, 2.5, 2.5), box(2, 2, 5, 3)]
+    holed = Polygon(box(1, 1, 5, 5).exterior, [box(2, 2, 4, 4).exterior])
+    its = [*inner, holed, Polygon([(2, 1), (3, 2), (2, 3), (1, 2)]), box(4, 2, 5, 4),
+           Polygon([(2, 2), (4, 2), (4, 4), (3, 2.5)]), Polygon([(2, 2), (2, 4), (4, 4), (4, 2)]),
+           *(Point(x, y) for x in (2, 3, 4, 4.5) for y in (2, 3)), Point(3, 3, 7)]
+    found = geo.STRtree(its).query(its, predicate)
+    assert as_pairs(found) == all_pairs(lambda a, b: getattr(a, predicate)(b), its, its)
 
 
 # All are nearer than the one that is not equal.

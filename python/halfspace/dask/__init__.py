@@ -7,6 +7,7 @@
     pairs = tree.query(probes)                   # a dask DataFrame: "id" by "row"
     near = tree.nearest(points, k=8)             # "id" and "distance" by "row"
     own = tree.pairs()                           # "i" and "j"
+    cities = hd.sjoin(cities, countries, predicate="within")    # frames of geometries
 
 Boxes and points are rows of a dask array, also one of unknown chunk sizes, of delayed
 arrays, of a data frame (dask's, pandas', geopandas' or dask-geopandas'), of an array, or
@@ -60,11 +61,12 @@ import halfspace as hs
 from halfspace import _arrays
 from halfspace._bvh import _extents
 from halfspace.dask import _tasks
+from halfspace.dask._frames import sjoin
 from halfspace.dask._partitions import Top
 from halfspace.dask._run import Placed, Runner, Tasks, cluster
 from halfspace.dask._source import Lazy, Source, again, delayed, source_of, unique
 
-__all__ = ["BVH", "join", "join_batches", "scan", "scan_batches"]
+__all__ = ["BVH", "join", "join_batches", "scan", "scan_batches", "sjoin"]
 
 MAX_RESULTS = 10_000_000
 
@@ -329,8 +331,11 @@ class BVH(Lazy, dask.base.DaskMethodsMixin):
 def _join(a: BVH, b: BVH, frame_of):
     """The frames of the partitions of `a`, and what those of `b` send to them."""
     tasks, its, others = Tasks("join"), a._keys, b._keys
-    borders = tasks.borders(others, its, frame_of is _tasks.frame_of_pairs)
-    pieces = zip(*tasks.send(borders, a.npartitions))
+    are_own = frame_of is _tasks.frame_of_pairs
+    borders = tasks.borders(others, its, are_own)
+    # Of two trees, all objects can be at the border.
+    pieces = (tasks.exchange(borders, a.npartitions) if are_own
+              else zip(*tasks.send(borders, a.npartitions)))
     frames = [tasks.add(frame_of, partition, list(some))
               for partition, some in zip(its.partitions, pieces)]
     return tasks.frame([a, b], frames, {"i": np.int64, "j": np.int64})

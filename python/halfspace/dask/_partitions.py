@@ -202,6 +202,11 @@ def block_of(parts: list) -> Routed:
     return Routed.to(partitions, np.arange(len(data)), data, numbers)
 
 
+def gather(parts: list) -> Routed:
+    """What several chunks send to all partitions."""
+    return block_of([rows_to(routed, 0, int(routed.partitions.max(initial=0)) + 1) for routed in parts])
+
+
 def concatenate(found: list) -> tuple:
     return tuple(map(np.concatenate, zip(*found)))
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from halfspace import _arrays
 from halfspace.dask._partitions import (about_routed, block_of, concatenate, found_of_chunk,
-                                        piece_of, rows_to)
+                                        gather, piece_of, rows_to)
 from halfspace.dask._source import BITS, Lazy, Source, delayed, sum_up, unique
 from halfspace.dask._tasks import (nearest_in, pandas_frame, route_border, send_home, send_on,
                                    some_pairs, write_pairs)
@@ -126,6 +126,20 @@ class Tasks(_Steps, dict):
                              for key in routed[first:first + step]]
                     blocks[-1] += [self.add(block_of, parts)] * (end - begin)
         return [[self.add(piece_of, key, p) for p, key in enumerate(keys)] for keys in blocks]
+
+    def exchange(self, routed: list, partitions: int) -> list:
+        """Adds tasks that send rows to partitions, as send(), in a few for each partition.
+        For few rows: a task gathers all of a block. Returns the keys of the pieces of each
+        partition."""
+        if partitions <= ONE_STAGE:
+            return list(zip(*self.send(routed, partitions)))
+        step = group_size(partitions)
+        blocks = [self.add(gather, routed[first:first + step])
+                  for first in range(0, len(routed), step)]
+        groups = [self.add(block_of, [self.add(rows_to, block, begin, begin + step)
+                                      for block in blocks])
+                  for begin in range(0, partitions, step)]
+        return [[self.add(piece_of, groups[p // step], p)] for p in range(partitions)]
 
     def search(self, items, placed: Placed, search, *arguments) -> list:
         """Adds the tasks search(partition, piece, *arguments). The last element of an item

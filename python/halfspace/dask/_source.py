@@ -197,7 +197,7 @@ _BOUNDS = [names.split() for names in (
 def _without_names(chunk):
     """The boxes of a frame. Any other chunk as it is."""
     if hasattr(chunk, "geom_type"):  # of geometries
-        return _empty_if_null(chunk.bounds.to_numpy())
+        return empty_if_null(chunk.bounds.to_numpy())
     if not hasattr(chunk, "columns"):
         return chunk
     if "bbox" in chunk.columns:
@@ -207,7 +207,7 @@ def _without_names(chunk):
         result = np.full((len(chunk), len(names)), np.nan)
         if boxes:
             result[is_there] = [[box[name] for name in names] for box in boxes]
-        return _empty_if_null(result)
+        return empty_if_null(result)
     for names in _BOUNDS:
         if set(names) <= set(chunk.columns):
             return _numbers(chunk[names])
@@ -216,7 +216,7 @@ def _without_names(chunk):
     return _numbers(chunk)
 
 
-def _empty_if_null(boxes: np.ndarray) -> np.ndarray:
+def empty_if_null(boxes: np.ndarray) -> np.ndarray:
     dims = boxes.shape[1] // 2
     boxes[np.isnan(boxes).any(axis=1)] = [np.inf] * dims + [-np.inf] * dims
     return boxes
