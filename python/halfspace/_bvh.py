@@ -6,12 +6,13 @@ import mmap
 import os
 import pickle
 import warnings
-from typing import Any, Callable, Iterable, Iterator, Optional, Tuple, Type, Union
+from typing import (Any, Callable, Iterable, Iterator, Literal, Optional, Tuple, Type, Union,
+                    overload)
 
 import numpy as np
 
 from . import _arrays, _halfspace
-from ._searches import Progress, Searches
+from ._searches import Box, Boxes, Progress, Searches
 
 Path = Union[str, "os.PathLike[str]"]
 
@@ -318,7 +319,16 @@ class BVH(Searches):
         how = _arrays.how(mask, threads, progress)
         return self._tree.pairs(None, *_arrays.pair_distance(margin, within), how)
 
-    def insert(self, boxes: Any) -> Union[np.ndarray, int]:
+    @overload
+    def insert(self, boxes: Box) -> int: ...
+
+    @overload
+    def insert(self, boxes: Boxes) -> np.ndarray: ...
+
+    @overload
+    def insert(self, boxes: Any) -> Any: ...
+
+    def insert(self, boxes: Any) -> Any:
         """Adds objects and returns their ids.
 
         Ids are those of erased objects, or follow the greatest id. Returns an

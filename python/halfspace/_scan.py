@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Optional, Union
+from typing import Any, Optional, overload
 
 import numpy as np
 
 from . import _arrays, _halfspace
+from ._searches import Box, Boxes
 
 
 class Scan:
@@ -41,15 +42,31 @@ class Scan:
         found = self._scan.query(table.arrays, _arrays.threads(threads))
         return found[1] if table.single else found
 
-    def count(
-        self, boxes: Any, *, threads: Optional[int] = 1
-    ) -> Union[np.ndarray, int]:
+    @overload
+    def count(self, boxes: Box, *, threads: Optional[int] = ...) -> int: ...
+
+    @overload
+    def count(self, boxes: Boxes, *, threads: Optional[int] = ...) -> np.ndarray: ...
+
+    @overload
+    def count(self, boxes: Any, *, threads: Optional[int] = ...) -> Any: ...
+
+    def count(self, boxes: Any, *, threads: Optional[int] = 1) -> Any:
         """Counts the objects that overlap each box, as `BVH.count`."""
         table = self._boxes(boxes)
         counts = self._scan.count(table.arrays, _arrays.threads(threads))
         return int(counts[0, 0]) if table.single else counts[:, 0]
 
-    def any(self, boxes: Any, *, threads: Optional[int] = 1) -> Union[np.ndarray, bool]:
+    @overload
+    def any(self, boxes: Box, *, threads: Optional[int] = ...) -> bool: ...
+
+    @overload
+    def any(self, boxes: Boxes, *, threads: Optional[int] = ...) -> np.ndarray: ...
+
+    @overload
+    def any(self, boxes: Any, *, threads: Optional[int] = ...) -> Any: ...
+
+    def any(self, boxes: Any, *, threads: Optional[int] = 1) -> Any:
         """Returns for each box whether an object overlaps it, as `BVH.any`."""
         table = self._boxes(boxes)
         ids = self._scan.any(table.arrays, _arrays.threads(threads))

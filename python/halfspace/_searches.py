@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Optional, Tuple, Union
+from typing import Any, Callable, Literal, Optional, Sequence, Tuple, overload
 
 import numpy as np
 
 from . import _arrays
 
 Progress = Callable[[int, int], object]
+# One box, and several. An array can be either.
+Box = Sequence[float]
+Boxes = Sequence[Sequence[float]]
 
 
 class Searches:
@@ -102,6 +105,18 @@ class Searches:
         found = self._tree.query(table.arrays, how)
         return found[1] if table.single else found
 
+    @overload
+    def count(self, boxes: Box, *, mask: Optional[int] = ...,
+              threads: Optional[int] = ..., progress: Optional[Progress] = ...) -> int: ...
+
+    @overload
+    def count(self, boxes: Boxes, *, mask: Optional[int] = ...,
+              threads: Optional[int] = ..., progress: Optional[Progress] = ...) -> np.ndarray: ...
+
+    @overload
+    def count(self, boxes: Any, *, mask: Optional[int] = ...,
+              threads: Optional[int] = ..., progress: Optional[Progress] = ...) -> Any: ...
+
     def count(
         self,
         boxes: Any,
@@ -109,7 +124,7 @@ class Searches:
         mask: Optional[int] = None,
         threads: Optional[int] = 1,
         progress: Optional[Progress] = None,
-    ) -> Union[np.ndarray, int]:
+    ) -> Any:
         """Counts the objects that overlap each box.
 
         Returns an array of int64 with the shape (m,), or an int for one box.
@@ -123,6 +138,18 @@ class Searches:
         counts = self._tree.count(table.arrays, _arrays.how(mask, threads, progress))
         return int(counts[0, 0]) if table.single else counts[:, 0]
 
+    @overload
+    def any(self, boxes: Box, *, mask: Optional[int] = ...,
+            threads: Optional[int] = ..., progress: Optional[Progress] = ...) -> bool: ...
+
+    @overload
+    def any(self, boxes: Boxes, *, mask: Optional[int] = ...,
+            threads: Optional[int] = ..., progress: Optional[Progress] = ...) -> np.ndarray: ...
+
+    @overload
+    def any(self, boxes: Any, *, mask: Optional[int] = ...,
+            threads: Optional[int] = ..., progress: Optional[Progress] = ...) -> Any: ...
+
     def any(
         self,
         boxes: Any,
@@ -130,7 +157,7 @@ class Searches:
         mask: Optional[int] = None,
         threads: Optional[int] = 1,
         progress: Optional[Progress] = None,
-    ) -> Union[np.ndarray, bool]:
+    ) -> Any:
         """Returns for each box whether an object overlaps it.
 
         Returns an array of bool with the shape (m,), or a bool for one box.
@@ -218,6 +245,18 @@ class Searches:
             return ids, distances
         return (ids[1], distances) if all_ties else (ids[0], distances[0])
 
+    @overload
+    def raycast(self, origins: Any, directions: Any, max_t: Any = ..., *,
+                all_hits: Literal[True], mask: Optional[int] = ...,
+                threads: Optional[int] = ..., progress: Optional[Progress] = ...
+                ) -> Tuple[np.ndarray, np.ndarray]: ...
+
+    @overload
+    def raycast(self, origins: Any, directions: Any, max_t: Any = ..., *,
+                all_hits: bool = ..., mask: Optional[int] = ...,
+                threads: Optional[int] = ..., progress: Optional[Progress] = ...
+                ) -> Tuple[Any, Any]: ...
+
     def raycast(
         self,
         origins: Any,
@@ -277,6 +316,18 @@ class Searches:
         how = _arrays.how(mask, threads, progress)
         return self._cast(starts, "origins", directions, max_t, all_hits, how)
 
+    @overload
+    def boxcast(self, boxes: Any, directions: Any, max_t: Any = ..., *,
+                all_hits: Literal[True], mask: Optional[int] = ...,
+                threads: Optional[int] = ..., progress: Optional[Progress] = ...
+                ) -> Tuple[np.ndarray, np.ndarray]: ...
+
+    @overload
+    def boxcast(self, boxes: Any, directions: Any, max_t: Any = ..., *,
+                all_hits: bool = ..., mask: Optional[int] = ...,
+                threads: Optional[int] = ..., progress: Optional[Progress] = ...
+                ) -> Tuple[Any, Any]: ...
+
     def boxcast(
         self,
         boxes: Any,
@@ -296,6 +347,18 @@ class Searches:
         starts = _arrays.boxes(boxes, "boxes", self.dims)
         how = _arrays.how(mask, threads, progress)
         return self._cast(starts, "boxes", directions, max_t, all_hits, how)
+
+    @overload
+    def spherecast(self, centers: Any, radii: Any, directions: Any, max_t: Any = ..., *,
+                   all_hits: Literal[True], mask: Optional[int] = ...,
+                   threads: Optional[int] = ..., progress: Optional[Progress] = ...
+                   ) -> Tuple[np.ndarray, np.ndarray]: ...
+
+    @overload
+    def spherecast(self, centers: Any, radii: Any, directions: Any, max_t: Any = ..., *,
+                   all_hits: bool = ..., mask: Optional[int] = ...,
+                   threads: Optional[int] = ..., progress: Optional[Progress] = ...
+                   ) -> Tuple[Any, Any]: ...
 
     def spherecast(
         self,

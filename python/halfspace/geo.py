@@ -12,7 +12,7 @@ without the interpreter's lock, by the functions of the GEOS that shapely has lo
 
 import ctypes
 import warnings
-from typing import Any, Iterable, Optional, Tuple, Union
+from typing import Any, Iterable, Literal, Optional, Tuple, Union, overload
 
 import numpy as np
 import shapely  # type: ignore
@@ -149,6 +149,16 @@ class STRtree:
         ids = self._nearest(given, np.inf, False, False)[0][1]
         return ids[0] if given.is_one else ids
 
+    @overload
+    def query_nearest(self, geometry: Any, max_distance: Optional[float] = ...,
+                      return_distance: Literal[False] = ..., exclusive: bool = ...,
+                      all_matches: bool = ...) -> np.ndarray: ...
+
+    @overload
+    def query_nearest(self, geometry: Any, max_distance: Optional[float] = ..., *,
+                      return_distance: Literal[True], exclusive: bool = ...,
+                      all_matches: bool = ...) -> Tuple[np.ndarray, np.ndarray]: ...
+
     def query_nearest(
         self,
         geometry: Any,
@@ -156,7 +166,7 @@ class STRtree:
         return_distance: bool = False,
         exclusive: bool = False,
         all_matches: bool = True,
-    ) -> Union[np.ndarray, Tuple[np.ndarray, np.ndarray]]:
+    ) -> Any:
         """Finds the geometries that are nearest to each given one.
 
         Parameters

@@ -72,12 +72,17 @@ def test_types(tmp_path):
         "rows, ids = tree.query([[0, 0, 1, 1]], threads=None)\n"
         "ids, distances = tree.nearest([0, 0], k=2)\n"
         "reveal_type(hs.join(tree, tree))\n"
+        "reveal_type(tree.raycast(ids, ids, all_hits=True)[1])\n"
+        "reveal_type(tree.count([0, 0, 1, 1]))\n"
+        "reveal_type(tree.insert([[0, 0, 1, 1]]))\n"
         "hs.Scan(tree, quantised=True)\n"
     )
     run = mypy("--strict", "user.py")
     lines = run.stdout.splitlines()
-    assert 'Revealed type is "numpy.ndarray' in lines[0], run.stdout
-    assert "quantised" in lines[1], run.stdout
+    expected = ["numpy.ndarray", "numpy.ndarray", "builtins.int", "numpy.ndarray"]
+    for line, kind in zip(lines, expected):
+        assert f'Revealed type is "{kind}' in line, run.stdout
+    assert "quantised" in lines[4], run.stdout
     assert lines[-1].startswith("Found 1 error in 1 file"), run.stdout
     run = mypy(package)
     assert run.returncode == 0, run.stdout
