@@ -1,5 +1,6 @@
 // A ray segment against the triangles of a mesh, each with its own bound: which
-// triangles need the exact intersection test?
+// triangles need the exact intersection test? And the triangle that it hits
+// first, by a mesh that makes this test.
 //
 // A long diagonal segment fits one bound badly, so it is cut into pieces, each
 // a query of its own.
@@ -17,17 +18,16 @@ namespace {
 
 constexpr std::uint32_t kSide = 33;  // vertices of a wavy sheet, along an edge
 
-std::vector<float> VerticesOfSheet() {
-  std::vector<float> coords;
+std::vector<halfspace::Point3> VerticesOfSheet() {
+  std::vector<halfspace::Point3> vertices;
   for (std::uint32_t y = 0; y < kSide; ++y) {
     for (std::uint32_t x = 0; x < kSide; ++x) {
       const auto u = static_cast<float>(x);
       const auto v = static_cast<float>(y);
-      coords.insert(coords.end(),
-                    {u, v, std::sin(0.3f * u) + std::cos(0.2f * v)});
+      vertices.push_back({u, v, std::sin(0.3f * u) + std::cos(0.2f * v)});
     }
   }
-  return coords;
+  return vertices;
 }
 
 std::vector<std::uint32_t> TrianglesOfSheet() {
@@ -60,12 +60,12 @@ std::size_t Candidates(const halfspace::AaboWorld3& world,
 }  // namespace
 
 int main() {
-  const std::vector<float> coords = VerticesOfSheet();
+  const std::vector<halfspace::Point3> vertices = VerticesOfSheet();
   const std::vector<std::uint32_t> indices = TrianglesOfSheet();
   halfspace::AaboWorld3 world;
   world.Resize(indices.size() / 3);
   halfspace::BoundTriangles(
-      halfspace::Points3{coords.data(), coords.size() / 3}, indices,
+      halfspace::Points3{vertices[0].data(), vertices.size()}, indices,
       world.planes());
 
   const halfspace::Segment3 segment = {{2, 3, 9}, {30, 29, -9}};
@@ -74,5 +74,12 @@ int main() {
   std::printf(
       "%zu of %zu triangles go on to the exact test; %zu in 16 pieces\n", whole,
       world.size(), pieces);
-  return 0 < pieces && pieces < whole ? 0 : 1;
+
+  const auto& [a, b] = segment;
+  const halfspace::TriangleMesh mesh(vertices, indices);
+  const halfspace::MeshHit hit =
+      mesh.FirstHit({a, {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, 1});
+  std::printf("it hits triangle %u after %.1f %% of its length\n", hit.id,
+              100 * hit.t);
+  return 0 < pieces && pieces < whole && hit.t < 1 ? 0 : 1;
 }

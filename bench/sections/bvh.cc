@@ -427,14 +427,12 @@ void RunTriangles(Run& run, std::size_t objects, Table& table) {
     }
     search.Time(run.effort.repetitions, table);
   };
-  time("first hits of rays", first,
-       [&](const TriangleTree& tree, std::size_t q) {
-         return tree.FirstHit(rays[q]);
-       });
-  time("any hits of rays", is_hit,
-       [&](const TriangleTree& tree, std::size_t q) {
-         return tree.IsHit(rays[q]) ? 1.0f : 0.0f;
-       });
+  time("first hits", first, [&](const TriangleTree& tree, std::size_t q) {
+    return tree.FirstHit(rays[q]);
+  });
+  time("any hits", is_hit, [&](const TriangleTree& tree, std::size_t q) {
+    return tree.IsHit(rays[q]) ? 1.0f : 0.0f;
+  });
   time("closest points", distance,
        [&](const TriangleTree& tree, std::size_t q) {
          return tree.Distance(rays[q].origin);

@@ -482,7 +482,8 @@ TriangleMesh::TriangleMesh(Span<const Point<3>> vertices,
     if (indices[i] >= vertices.size()) {
       dispatch::ThrowInvalid(
           kCall, "indices",
-          "less than the " + std::to_string(vertices.size()) + " vertices",
+          "less than " + std::to_string(vertices.size()) +
+              ", the number of vertices",
           std::to_string(indices[i]), i);
     }
   }

@@ -1,5 +1,6 @@
-// Rays that hit triangles, and the closest points of triangles, for the casts
-// and searches of a BVH of their boxes (bvh_nearest.h).
+// A ray and a triangle, and the closest point of a triangle: for the casts and
+// searches of a BVH of their boxes (bvh_nearest.h). If the triangles do not
+// move, a TriangleMesh (mesh.h) is faster, with the same results.
 //
 //   float closest = ray.max_t;
 //   RayCast(bvh, ray, [&](std::uint32_t id, float) {

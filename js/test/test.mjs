@@ -298,7 +298,7 @@ for (const [argument, call] of [
   ['vertices', () => new TriangleMesh([0, 0, 0])],
   ['vertices[1]', () => new TriangleMesh([0, NaN, 0])],
   ['faces', () => new TriangleMesh([0, 0, 0], [0])],
-  ['faces', () => new TriangleMesh([0, 0, 0], [0, 0, 1])],
+  ['faces[2]', () => new TriangleMesh([0, 0, 0], [0, 0, 1])],
   ['faces[1]', () => new TriangleMesh([0, 0, 0], [0, -1, 0])],
   ['rays', () => mesh.raycastMany([0])],
   ['rays', () => mesh.occluded([0, 0, 0, 1, 0, 0, -1])],

@@ -26,8 +26,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using MeshTag = hn::CappedTag<float, detail::kMeshLanes>;
 
-// At most the distance of a coordinate of any point of the cube from that of
-// `point`, and less than 2^-15 of it more.
+// At least the distance of a coordinate of any point of the cube from that of
+// `point`.
 HWY_INLINE float ReachOf(const detail::MeshCube& cube, const float* point) {
   float most = 0;
   for (size_t k = 0; k < 3; ++k) {
