@@ -480,11 +480,10 @@ TriangleMesh::TriangleMesh(Span<const Point<3>> vertices,
   }
   for (std::size_t i = 0; i < indices.size(); ++i) {
     if (indices[i] >= vertices.size()) {
-      dispatch::ThrowInvalid(
-          kCall, "indices",
-          "less than " + std::to_string(vertices.size()) +
-              ", the number of vertices",
-          std::to_string(indices[i]), i);
+      dispatch::ThrowInvalid(kCall, "indices",
+                             "less than " + std::to_string(vertices.size()) +
+                                 ", the number of vertices",
+                             std::to_string(indices[i]), i);
     }
   }
   state_ = Make({vertices.data(), indices.data()}, indices.size() / 3, memory);
