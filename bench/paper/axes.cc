@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kObjects = 32768;
 constexpr std::size_t kQueries = 8192;
 
-void AddRows(Run& run, const char* name, const NextPoints& next, Table& table) {
+void AddRows(const char* name, const NextPoints& next, Table& table) {
   // Bounds of the same points, on each kind of axes.
   constexpr std::array<const char*, 2> kAxes = {"standard", "regular"};
   const auto bound_next = [&next]() -> std::array<Aabo3, 2> {
@@ -53,8 +53,8 @@ Tables RunAxes(Run& run) {
               "a regular simplex",
               {Key("world"), Key("axes"), Key("shape"),
                Value("survivors", "", 0), Value("over AABB")}};
-  AddRows(run, "balls", ScenePoints(seed), table);
-  AddRows(run, "boxes", BoxPoints(seed), table);
+  AddRows("balls", ScenePoints(seed), table);
+  AddRows("boxes", BoxPoints(seed), table);
   return {table};
 }
 

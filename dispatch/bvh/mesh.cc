@@ -265,8 +265,8 @@ class Builder {
   // groups of each part, weighted by its area.
   static double BestOf(const Bins& bins, std::size_t size, Cut& cut) {
     const auto cost_of = [](const Bounds& bounds, std::size_t count) {
-      return bounds.Area() *
-             static_cast<double>((count + kMeshLanes - 1) / kMeshLanes);
+      const std::size_t groups = (count + kMeshLanes - 1) / kMeshLanes;
+      return bounds.Area() * static_cast<double>(groups);
     };
     std::array<double, Bins::kCount> above;
     Bounds bounds;

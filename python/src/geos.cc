@@ -116,6 +116,7 @@ void UseGeos(const py::function& address_of, const py::object& api,
              py::object base_type, py::object error_type) {
   const auto load = [&](auto& function, const std::string& name) {
     const auto address = address_of("GEOS" + name + "_r").cast<std::size_t>();
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): ctypes has numbers.
     function = reinterpret_cast<std::decay_t<decltype(function)>>(address);
   };
   load(geos.init, "_init");
@@ -172,6 +173,7 @@ class Context {
   Context(const Context&) = delete;
   ~Context() { geos.finish(handle_); }
 
+  // NOLINTNEXTLINE(google-explicit-constructor): what calls of GEOS take.
   operator Handle*() const { return handle_; }
   const std::string& reason() const { return reason_; }
 
@@ -259,6 +261,7 @@ class Geometries {
     if (PyObject_IsInstance(object, geos.base_type) != 1) return false;
     const py::object address = py::handle(object).attr("_geom");
     if (!address.is_none()) {
+      // NOLINTNEXTLINE(performance-no-int-to-ptr): shapely 1.8 has a number.
       its = reinterpret_cast<const Geometry*>(address.cast<std::size_t>());
     }
     return true;
