@@ -26,15 +26,11 @@ float SquaredLimit(float radius) {
   return limit;
 }
 
-float OutwardOffset(double scaled) {
-  return RoundedUp(scaled + std::abs(scaled) * 0x1p-19 + 0x1p-120);
-}
-
 // Returns false if the half-space rejects nothing with this offset.
 bool SetOffset(double scaled, HalfSpaceTest& test) {
   const bool is_finite = std::isfinite(scaled);
   scaled = std::clamp(scaled, -0x1p126, 0x1p126);
-  test.offset = OutwardOffset(scaled);
+  test.offset = RoundedUp(scaled);
   return is_finite && scaled < 0x1p126;
 }
 
@@ -162,21 +158,18 @@ bool TrySetTest(const PlaneLayout& planes, const float* normal, float offset,
       (kOne - 4 - (kernels::BitCast<std::uint64_t>(length) >> 52) + kOne)
       << 52);
   test.terms = kDims + (kIsSphere ? 1 : 0);
-  test.offset = OutwardOffset(offset * scale);
+  test.offset = RoundedUp(offset * scale);
   for (std::size_t k = 0; k < kDims; ++k) {
     const float factor = normal[k] * static_cast<float>(scale);
     // No branch on the sign, because it would be mispredicted.
     const auto min = static_cast<std::uint32_t>(k);
     const std::uint32_t axes = kIsSphere ? 0 : planes.axes;
     const std::uint32_t up = axes * std::uint32_t{factor > 0};
-    test.term[k] = {min + up, min + axes - up, factor * (1 + 0x1p-19f),
-                    factor * (1 - 0x1p-19f)};
+    test.term[k] = {min + up, min + axes - up, factor, factor};
   }
   if constexpr (kIsSphere) {
-    const double factor = length * scale;
-    test.term[kDims] = {kDims, kDims,
-                        static_cast<float>(factor * (1 + 0x1p-19)),
-                        static_cast<float>(factor * (1 - 0x1p-19))};
+    const float factor = RoundedUp(length * scale);
+    test.term[kDims] = {kDims, kDims, factor, factor};
   }
   return true;
 }
@@ -226,17 +219,19 @@ HalfSpaceTest TestOf(const PlaneLayout& planes, const float* normal,
   bool tells = SetOffset(offset * scale, test) && is_finite;
   for (std::size_t k = 0; tells && k < kFactors; ++k) {
     const double factor = factors[k] * scale;
-    if (factor == 0) continue;
-    // The rounding error of a subnormal factor has no bound relative to its
-    // product.
-    tells = std::abs(factor) >= 0x1p-100;
+    if (factor == 0 && !is_sphere) continue;
+    // So that it is no subnormal float.
+    tells = factor == 0 || std::abs(factor) >= 0x1p-100;
     const auto min = static_cast<std::uint32_t>(k);
     const auto max = static_cast<std::uint32_t>(planes.axes + k);
     const bool is_max = kHasMax && factor > 0;
-    test.term[test.terms++] = {is_max ? max : min,
-                               is_max || is_sphere ? min : max,
-                               static_cast<float>(factor * (1 + 0x1p-19)),
-                               static_cast<float>(factor * (1 - 0x1p-19))};
+    // The factors of a simplex are differences, and that of a radius a root.
+    const bool is_exact = kHasMax || (is_sphere && k < kDims);
+    const float more =
+        is_exact ? static_cast<float>(factor) : RoundedUp(factor);
+    test.term[test.terms++] = {
+        is_max ? max : min, is_max || is_sphere ? min : max, more,
+        kHasMax || is_sphere ? more : RoundedDown(factor)};
   }
   if (!tells) test = {0, 0, {}};
   return test;
@@ -337,10 +332,9 @@ void MakeHalfSpaceTests(const PlaneLayout& planes, const float* normal,
     const auto max = static_cast<std::uint32_t>(planes.axes + k);
     const std::uint32_t plane = factor > 0 ? max : min;
     const std::uint32_t opposite = min + max - plane;
-    const auto more = static_cast<float>(factor * (1 + 0x1p-19));
-    const auto less = static_cast<float>(factor * (1 - 0x1p-19));
-    two[0].term[terms] = {plane, opposite, more, less};
-    two[1].term[terms++] = {opposite, plane, -more, -less};
+    const auto exact = static_cast<float>(factor);
+    two[0].term[terms] = {plane, opposite, exact, exact};
+    two[1].term[terms++] = {opposite, plane, -exact, -exact};
   }
   two[0].terms = tells ? terms : 0;
   two[1].terms = opposite_tells ? terms : 0;

@@ -1,12 +1,10 @@
 // Half-spaces as a query of kernels, and the calls of kernels.h that take them.
 #include "kernels/scan/half_spaces.h"
 
-#include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
+#include <utility>
 
 #include "dispatch/default_fp_mode.h"
 #include "dispatch/targets/chosen_target.h"
@@ -20,59 +18,38 @@ void MakeHalfSpaceQuery(const PlaneLayout& layout, const ShapeScan& shape,
                         HalfSpaceQuery& query) {
   HalfSpaceTests& tests = query.tests;
   MakeHalfSpaceTests(layout, shape.half_spaces, shape.count, tests);
+  const bool is_sphere = layout.kind == PlaneLayout::kSphere;
+  query.terms = 0;
+  if (layout.has_max) query.terms = layout.dims;
+  if (is_sphere) query.terms = layout.plane_count;
   query.rejects_all = false;
-  query.radius_plane = layout.kind == PlaneLayout::kSphere
-                           ? layout.dims
-                           : std::numeric_limits<std::uint32_t>::max();
-  query.is_shared = !layout.has_max;
-  query.terms = layout.has_max ? layout.dims : layout.plane_count;
-  query.front_count = 0;
-  query.is_paired = false;
-  // Two tests with opposite signs read all planes of a box. By the maxima that
-  // a test reads: the place of such a test in the list, and 1.
-  std::uint8_t place_of[8] = {};
-  const std::size_t all_maxima = (std::size_t{1} << layout.dims) - 1;
+  query.full_count = 0;
+  std::size_t count = 0;
   for (std::size_t f = 0; f < tests.count; ++f) {
     const HalfSpaceTest& test = tests.test[f];
     if (test.terms == 0) {
       query.rejects_all |= test.offset < 0;
       continue;
     }
-    const std::uint8_t place = query.front_count++;
-    query.front[place] = static_cast<std::uint8_t>(f);
-    if (query.is_paired || !layout.has_max || test.terms != layout.dims) {
-      continue;
+    if (f != count) tests.test[count] = test;
+    if (tests.test[count].terms == query.terms) {
+      if (query.full_count != count) {
+        std::swap(tests.test[query.full_count], tests.test[count]);
+      }
+      ++query.full_count;
     }
-    std::size_t maxima = 0;
-    for (std::size_t k = 0; k < layout.dims; ++k) {
-      maxima |= std::size_t{test.term[k].more > 0} << k;
-    }
-    place_of[maxima] = place + 1;
-    if (place_of[all_maxima - maxima] == 0) continue;
-    std::swap(query.front[0], query.front[place_of[all_maxima - maxima] - 1]);
-    std::swap(query.front[1], query.front[place]);
-    query.is_paired = true;
+    ++count;
   }
+  tests.count = count;
   query.near_dims = 0;
+  query.radius_plane = is_sphere ? layout.dims : HalfSpaceQuery::kNoPlane;
   const bool is_near = shape.low != nullptr;
-  // Also for NaN. Of a sphere that touches the box the center is anywhere.
-  query.size = std::numeric_limits<float>::infinity();
   if (!is_near && tests.box_dims == 0) return;
-  float size = 0;
   for (std::size_t k = 0; k < layout.dims; ++k) {
-    const float low = is_near ? shape.low[k] : tests.low[k];
-    const float high = is_near ? shape.high[k] : tests.high[k];
-    query.box[k] = low;
-    query.box[layout.dims + k] = high;
-    size = std::max({size, std::abs(low), std::abs(high)});
+    query.box[k] = is_near ? shape.low[k] : tests.low[k];
+    query.box[layout.dims + k] = is_near ? shape.high[k] : tests.high[k];
   }
-  if (layout.kind != PlaneLayout::kSphere) {
-    for (std::size_t f = 0; f < tests.count; ++f) {
-      size = std::max(size, -tests.test[f].offset);
-    }
-    query.size = size;
-    return;
-  }
+  if (!is_sphere) return;
   query.near_dims = layout.dims;
   query.radius = shape.radius;
   tests.box_dims = 0;

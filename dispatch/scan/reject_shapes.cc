@@ -107,7 +107,7 @@ void ClassifyMasks(ShapeScan&& shape, Span<std::uint64_t> survivors,
     }
     dispatch::WriteWords(scan, options, survivors.data());
     std::copy_n(survivors.data(), words, inside.data());
-    query.is_of_insides = true;
+    query.only_insides = true;
     dispatch::WriteWords(scan, options, inside.data());
   });
 }

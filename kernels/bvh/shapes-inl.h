@@ -195,10 +195,12 @@ class HalfSpacesQuery : public ShapeQuery<HalfSpacesQuery> {
 
   HWY_NOINLINE uint64_t TestApart(size_t, const detail::BvhLevel& level,
                                   size_t block) const {
+    const UpwardFpMode mode;
     return Bits<false>(level, block, level.present[block]);
   }
   HWY_NOINLINE uint64_t Inside(size_t, const detail::BvhLevel& level,
                                size_t block, uint64_t kept) const {
+    const UpwardFpMode mode;
     return Bits<true>(level, block, kept);
   }
 
@@ -206,8 +208,8 @@ class HalfSpacesQuery : public ShapeQuery<HalfSpacesQuery> {
   // The bounds whose farthest corners are in front of all half-spaces, or, with
   // kIsNearest, their nearest corners.
   template <bool kIsNearest>
-  uint64_t Bits(const detail::BvhLevel& level, size_t block,
-                uint64_t candidates) const {
+  HWY_NOINLINE uint64_t Bits(const detail::BvhLevel& level, size_t block,
+                             uint64_t candidates) const {
     const float* const floats = level.Plane(block, 0);
     if (half_spaces_.box_dims != 0) {
       candidates = NotRejected(candidates, [&](auto d, size_t i) HWY_ATTR {

@@ -10,7 +10,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <utility>
 
 #include "hwy/highway.h"
@@ -95,19 +94,16 @@ HWY_INLINE uint64_t HalfSpaceBits(D d, Load load, const float* const* planes,
   return kept;
 }
 
-// Objects begin ... begin + count - 1, at most 64. What this says is the
-// result on every target. Only the vectors of `wanted` objects are tested.
+// Objects begin ... begin + count - 1, at most 64.
 template <bool kIsNearest = false>
 HWY_NOINLINE uint64_t HalfSpaceWord(const float* const* planes,
                                     const detail::HalfSpaceQuery& query,
-                                    size_t begin, size_t count,
-                                    uint64_t wanted = ~uint64_t{0}) {
+                                    size_t begin, size_t count) {
   const WordTag<float> d;
   const size_t lanes = hn::Lanes(d);
   uint64_t bits = 0;
   size_t l = 0;
   for (; l + lanes <= count; l += lanes) {
-    if ((wanted >> l & ~uint64_t{0} >> (kWordObjects - lanes)) == 0) continue;
     bits |= HalfSpaceBits<kIsNearest>(d, LoadAll(), planes, query, begin + l)
             << l;
   }
@@ -125,175 +121,74 @@ struct FrontTest {
   float offset;
 };
 
-// Tests of spheres are scaled so that this is the factor of the radius.
-inline constexpr float kRadiusFactor = 0x1p-3f;
-
-// The greater magnitude. The bits of a greater float are a greater integer, and
-// of a NaN the greatest.
-template <class VI, class V>
-HWY_INLINE VI GreaterSize(VI most, V value) {
-  return hn::Max(most, hn::BitCast(hn::DFromV<VI>(), hn::Abs(value)));
-}
-
-// Lowers `least` to the sums of a vector, and with kMeasures raises `most` to
-// the magnitudes that it reads. Sums are compared as integers, because few
-// cores compare and multiply floats at the same time. Of several negative sums
-// the nearest to 0 is the least. A NaN is never less than a number of its sign.
-template <bool kMeasures, bool kIsSphere, size_t... kTerm, class D, class VI>
-HWY_INLINE void AddSum(std::index_sequence<kTerm...>, D d,
-                       const float* const* planes, const FrontTest& test,
-                       size_t i, VI& least, VI& most) {
+// The sums of one vector. They are those of HalfSpaceSum().
+template <size_t... kTerm, class D>
+HWY_INLINE hn::Vec<D> SumOf(std::index_sequence<kTerm...>, D d,
+                            const float* const* planes, const FrontTest& test,
+                            size_t i) {
   auto sum = hn::Set(d, test.offset);
-  if constexpr (kIsSphere) {
-    // All tests have this product, so the compiler makes it once.
-    sum = hn::Add(hn::Mul(hn::LoadU(d, planes[sizeof...(kTerm)] + i),
-                          hn::Set(d, kRadiusFactor)),
-                  sum);
-  }
-  const auto add = [&](const float* plane, float factor) HWY_ATTR {
-    const auto value = hn::LoadU(d, plane + i);
-    if constexpr (kMeasures) most = GreaterSize(most, value);
-    sum = hn::MulAdd(value, hn::Set(d, factor), sum);
-  };
-  (add(planes[kTerm], test.factor[kTerm]), ...);
-  least = hn::Min(least, hn::BitCast(hn::RebindToSigned<D>(), sum));
+  ((sum = SumUp(d, sum,
+                ProductUp(d, hn::LoadU(d, planes[kTerm] + i),
+                          hn::Set(d, test.factor[kTerm])))),
+   ...);
+  return sum;
 }
 
-// The greatest magnitudes that the sums of a vector read.
-template <size_t kTerms, bool kIsShared, class D>
-HWY_INLINE hn::Vec<hn::RebindToSigned<D>> SizeOf(
-    D d, const float* const* planes, const detail::HalfSpaceQuery& query,
-    size_t i) {
-  auto most = hn::Zero(hn::RebindToSigned<D>());
-  HALFSPACE_UNROLL
-  for (size_t t = 0; t < (kIsShared ? 1 : 2) * kTerms; ++t) {
-    const size_t p = t < kTerms ? t : query.tests.max_plane + t - kTerms;
-    most = GreaterSize(most, hn::LoadU(d, planes[p] + i));
-  }
-  return most;
-}
-
-// Bits of the lanes in which all of `sums` are negative.
-template <class D, class V, class... Vs>
-HWY_INLINE uint64_t AllNegative(D d, V sums, Vs... more) {
-  ((sums = hn::And(sums, more)), ...);
-  return LaneBits(d, hn::Lt(sums, hn::Zero(d)));
-}
-
-// Whether each sum is so far from 0 that its sign is the verdict. If a number
-// of the object is NaN or infinite, no sum is: another one may have been a NaN,
-// which is the least only on some machines. With a box around the region,
-// `most` is of the box, and infinite products are positive.
-template <class D, class VI>
-HWY_INLINE hn::Mask<D> IsCertain(D d, VI sum, VI most) {
-  const auto slack =
-      hn::MulAdd(hn::BitCast(d, most), hn::Set(d, detail::kSumSlack),
-                 hn::Set(d, detail::kLeastSlack));
-  return hn::Gt(hn::Abs(hn::BitCast(d, sum)), slack);
-}
-
-// The argument with this number.
-template <size_t kNumber, class V, class... More>
-HWY_INLINE V& Nth(V& v, More&... more) {
-  if constexpr (kNumber == 0) {
-    return v;
-  } else {
-    return Nth<kNumber - 1>(more...);
+// Lowers the least sums of several vectors, `least`, by those of some tests.
+// All tests of spheres read the same planes, kIsShared, which stay in
+// registers.
+template <size_t kTerms, bool kIsShared, size_t... kVector, class D, class... V>
+HWY_INLINE void AddSums(std::index_sequence<kVector...>, D d,
+                        const FrontTest* tests, size_t begin, size_t end,
+                        size_t i, V&... least) {
+  const float* const* const shared = tests[0].plane;
+  for (size_t f = begin; f < end; ++f) {
+    ((least = LesserOf(SumOf(std::make_index_sequence<kTerms>(), d,
+                             kIsShared ? shared : tests[f].plane, tests[f],
+                             i + kVector * hn::Lanes(d)),
+                       least)),
+     ...);
   }
 }
 
-// The objects of several vectors that are behind a half-space. `unknown` are
-// those that HalfSpaceWord() has to decide about. `v` is the least sums of each
-// vector, from the greatest integer on, then the greatest sizes, from 0 on.
-template <size_t kTerms, bool kIsShared, bool kIsSphere, size_t... kVector,
-          class D, class... V>
-HWY_INLINE uint64_t BehindBits(std::index_sequence<kVector...>, D d,
-                               const float* const* planes,
+// The objects of several vectors that are behind a half-space. `least` are
+// vectors of infinity.
+template <size_t kTerms, bool kIsShared, size_t... kVector, class D, class... V>
+HWY_INLINE uint64_t BehindBits(std::index_sequence<kVector...> vectors, D d,
                                const FrontTest* tests,
                                const detail::HalfSpaceQuery& query, size_t i,
-                               size_t* exits, uint64_t& unknown, V... v) {
-  using VI = hn::Vec<hn::RebindToSigned<D>>;
-  constexpr size_t kVectors = sizeof...(kVector);
-  static_assert(sizeof...(V) == 2 * kVectors);
-  const hn::RebindToSigned<D> di;
-  constexpr std::make_index_sequence<kTerms - (kIsSphere ? 1 : 0)> kNumbers;
+                               size_t* exits, V... least) {
   const size_t lanes = hn::Lanes(d);
-  const size_t count = query.front_count;
-  const uint64_t of_vector = ~uint64_t{0} >> (kWordObjects - lanes);
-  // Planes that all sums share are measured after them, while registers hold
-  // them. Without fused operations the sums leave no registers for it.
-  constexpr bool kMeasuresLast = kIsShared || !HWY_NATIVE_FMA;
-  const bool has_size =
-      !kIsShared && query.size < std::numeric_limits<float>::infinity();
-  size_t f = 0;
-  if (has_size) {
-    ((Nth<kVectors + kVector>(v...) = hn::BitCast(di, hn::Set(d, query.size))),
-     ...);
-  } else if (!kMeasuresLast && query.is_paired) {
-    for (; f < 2; ++f) {
-      (AddSum<true, false>(kNumbers, d, tests[f].plane, tests[f],
-                           i + kVector * lanes, Nth<kVector>(v...),
-                           Nth<kVectors + kVector>(v...)),
-       ...);
-    }
-  } else if (!kMeasuresLast) {
-    ((Nth<kVectors + kVector>(v...) =
-          SizeOf<kTerms, false>(d, planes, query, i + kVector * lanes)),
-     ...);
-  }
-  const auto certain = [&](size_t vector, VI sum, VI size) HWY_ATTR {
-    if (kMeasuresLast && !has_size) {
-      size = SizeOf<kTerms, kIsShared>(d, planes, query, i + vector * lanes);
-    }
-    return IsCertain(d, sum, size);
-  };
-  const auto check = [&]() HWY_ATTR {
-    auto all = hn::FirstN(d, lanes);
-    ((all = hn::And(all, certain(kVector, Nth<kVector>(v...),
-                                 Nth<kVectors + kVector>(v...)))),
-     ...);
-    return hn::AllTrue(d, all);
-  };
-  bool is_certain = false;
-  for (; f < count; ++f) {
-    (AddSum<false, kIsSphere>(kNumbers, d, tests[kIsShared ? 0 : f].plane,
-                              tests[f], i + kVector * lanes, Nth<kVector>(v...),
-                              Nth<kVectors + kVector>(v...)),
-     ...);
-    if (exits == nullptr || f != count / 2 || f + 1 == count ||
-        AllNegative(di, Nth<kVector>(v...)...) != of_vector) {
-      continue;
-    }
-    is_certain = check();
-    if (is_certain) {
-      *exits += kVectors * lanes;
-      break;
+  const auto zero = hn::Zero(d);
+  size_t begin = 0;
+  if (exits != nullptr) {
+    begin = query.full_count / 2;
+    AddSums<kTerms, kIsShared>(vectors, d, tests, 0, begin, i, least...);
+    const uint64_t behind =
+        (... | (LaneBits(d, hn::Lt(least, zero)) << (kVector * lanes)));
+    const size_t objects = sizeof...(V) * lanes;
+    if (behind == ~uint64_t{0} >> (kWordObjects - objects)) {
+      *exits += objects;
+      return behind;
     }
   }
-  unknown = 0;
-  if (HWY_UNLIKELY(!is_certain && !check())) {
-    ((unknown |= (~LaneBits(d, certain(kVector, Nth<kVector>(v...),
-                                       Nth<kVectors + kVector>(v...))) &
-                  of_vector)
-                 << (kVector * lanes)),
-     ...);
+  AddSums<kTerms, kIsShared>(vectors, d, tests, begin, query.full_count, i,
+                             least...);
+  if constexpr (!kIsShared) {
+    AddSums<kTerms - 1, false>(vectors, d, tests, query.full_count,
+                               query.tests.count, i, least...);
   }
-  return (... | (LaneBits(di, hn::Lt(Nth<kVector>(v...), hn::Zero(di)))
-                 << (kVector * lanes)));
+  return (... | (LaneBits(d, hn::Lt(least, zero)) << (kVector * lanes)));
 }
 
-// As many vectors are tested together as registers hold: each factor is read
-// once for them, and each plane, if all tests read the same.
-template <size_t kTerms, bool kIsShared, bool kIsSphere>
-HWY_INLINE uint64_t FrontWord(const float* const* planes,
-                              const FrontTest* tests,
+// As many vectors are tested together as registers hold, so that each factor is
+// read once for them.
+template <size_t kTerms, bool kIsShared>
+HWY_INLINE uint64_t FrontWord(const FrontTest* tests,
                               const detail::HalfSpaceQuery& query, size_t i,
                               size_t* exits) {
   const WordTag<float> d;
-  const hn::RebindToSigned<decltype(d)> di;
-  using VI = hn::Vec<decltype(di)>;
-  const VI least = hn::Set(di, 0x7fffffff);
-  const VI zero = hn::Zero(di);
+  const auto inf = hn::Inf(d);
 #if HWY_HAVE_SCALABLE
   constexpr size_t kVectors = 1;
 #else
@@ -302,28 +197,19 @@ HWY_INLINE uint64_t FrontWord(const float* const* planes,
 #endif
   constexpr std::make_index_sequence<kVectors> kNumbers;
   uint64_t behind = 0;
-  uint64_t unknown = 0;
   for (size_t l = 0; l < kWordObjects; l += kVectors * hn::Lanes(d)) {
     uint64_t bits;
-    uint64_t some;
     if constexpr (kVectors == 1) {
-      bits = BehindBits<kTerms, kIsShared, kIsSphere>(
-          kNumbers, d, planes, tests, query, i + l, exits, some, least, zero);
+      bits = BehindBits<kTerms, kIsShared>(kNumbers, d, tests, query, i + l,
+                                           exits, inf);
     } else if constexpr (kVectors == 2) {
-      bits = BehindBits<kTerms, kIsShared, kIsSphere>(
-          kNumbers, d, planes, tests, query, i + l, exits, some, least, least,
-          zero, zero);
+      bits = BehindBits<kTerms, kIsShared>(kNumbers, d, tests, query, i + l,
+                                           exits, inf, inf);
     } else {
-      bits = BehindBits<kTerms, kIsShared, kIsSphere>(
-          kNumbers, d, planes, tests, query, i + l, exits, some, least, least,
-          least, least, zero, zero, zero, zero);
+      bits = BehindBits<kTerms, kIsShared>(kNumbers, d, tests, query, i + l,
+                                           exits, inf, inf, inf, inf);
     }
     behind |= bits << l;
-    unknown |= some << l;
-  }
-  if (HWY_UNLIKELY(unknown != 0)) {
-    behind &= ~unknown;
-    behind |= unknown & ~HalfSpaceWord(planes, query, i, kWordObjects, unknown);
   }
   return ~behind;
 }
@@ -363,25 +249,17 @@ HWY_INLINE uint64_t NearWord(const float* const* planes,
 
 // Writes the survivors of objects begin ... begin + count - 1, at least 64. The
 // words that miss the box are tested no further.
-template <size_t kTerms, bool kIsShared, bool kIsSphere>
+template <size_t kTerms, bool kIsShared>
 HWY_NOINLINE void FrontWords(const float* const* planes,
                              const detail::HalfSpaceQuery& query, size_t begin,
                              size_t count, uint64_t* words) {
   FrontTest tests[detail::kMostHalfSpaces];
-  for (size_t f = 0; f < query.front_count; ++f) {
-    const detail::HalfSpaceTest& test = query.tests.test[query.front[f]];
-    const float scale =
-        kIsSphere ? kRadiusFactor / test.term[test.terms - 1].more : 1;
-    tests[f].offset = test.offset * scale;
-    for (size_t t = 0; t < kTerms; ++t) {
-      tests[f].plane[t] = planes[kIsShared ? t : test.term[0].plane];
-      tests[f].factor[t] = 0;
-    }
+  for (size_t f = 0; f < query.tests.count; ++f) {
+    const detail::HalfSpaceTest& test = query.tests.test[f];
+    tests[f].offset = test.offset;
     for (size_t t = 0; t < test.terms; ++t) {
-      const detail::HalfSpaceTest::Term& term = test.term[t];
-      const size_t to = kIsShared ? term.plane : t;
-      tests[f].plane[to] = planes[term.plane];
-      tests[f].factor[to] = term.more * scale;
+      tests[f].plane[t] = planes[test.term[t].plane];
+      tests[f].factor[t] = test.term[t].more;
     }
   }
   // The number of objects of the last eight words that were all rejected
@@ -401,9 +279,8 @@ HWY_NOINLINE void FrontWords(const float* const* planes,
     const size_t past = end > count ? end - count : 0;
     const size_t i = begin + end - kWordObjects - past;
     uint64_t word = NearWord(planes, query, i);
-    if (word != 0 && query.front_count != 0) {
-      word &= FrontWord<kTerms, kIsShared, kIsSphere>(planes, tests, query, i,
-                                                      counted);
+    if (word != 0 && query.tests.count != 0) {
+      word &= FrontWord<kTerms, kIsShared>(tests, query, i, counted);
     }
     words[w] = word >> past;
   }
@@ -424,24 +301,24 @@ void HalfSpaceMask(const void* pointers, size_t begin, size_t count,
                    const void* values, uint64_t* words) noexcept {
   const auto* planes = static_cast<const float* const*>(pointers);
   const auto& query = *static_cast<const detail::HalfSpaceQuery*>(values);
-  if (query.is_of_insides) {
+  const UpwardFpMode mode;
+  if (query.only_insides) {
     KeepInsides(planes, query, begin, count, words);
   } else if (query.rejects_all) {
     for (size_t w = 0; w * kWordObjects < count; ++w) words[w] = 0;
-  } else if (count < kWordObjects) {
-    if (count != 0) *words = HalfSpaceWord(planes, query, begin, count);
-  } else if (query.radius_plane == 3) {
-    FrontWords<4, true, true>(planes, query, begin, count, words);
-  } else if (query.radius_plane == 2) {
-    FrontWords<3, true, true>(planes, query, begin, count, words);
-  } else if (query.is_shared) {
-    (query.terms == 3
-         ? FrontWords<3, true, false>
-         : FrontWords<4, true, false>)(planes, query, begin, count, words);
+  } else if (count < kWordObjects || query.terms == 0) {
+    for (size_t i = 0; i < count; i += kWordObjects) {
+      *words++ = HalfSpaceWord(planes, query, begin + i,
+                               HWY_MIN(kWordObjects, count - i));
+    }
+  } else if (query.radius_plane != query.kNoPlane) {
+    (query.terms == 4
+         ? FrontWords<4, true>
+         : FrontWords<3, true>)(planes, query, begin, count, words);
   } else {
-    (query.terms == 2
-         ? FrontWords<2, false, false>
-         : FrontWords<3, false, false>)(planes, query, begin, count, words);
+    (query.terms == 3
+         ? FrontWords<3, false>
+         : FrontWords<2, false>)(planes, query, begin, count, words);
   }
 }
 

@@ -10,36 +10,24 @@
 
 namespace halfspace::detail {
 
-// A sum with one product a term has the sign of HalfSpaceSum(), unless it is
-// nearer to 0 than this times the greatest number that it reads, or than
-// kLeastSlack (docs/bvh.md).
-inline constexpr float kSumSlack = 0x1p-17f;
-inline constexpr float kLeastSlack = 0x1p-110f;
-
 struct HalfSpaceQuery {
+  // Only those that can reject. First those with `terms` terms, then those with
+  // one less, because a component of the normal is 0.
   HalfSpaceTests tests;
+  std::size_t full_count;
+  std::uint8_t terms;  // 0 for bounds without maxima
   bool rejects_all;
   // The kernel reads the words, and clears the bits of objects with a corner
   // behind a half-space. Otherwise it writes the survivors.
-  bool is_of_insides = false;
+  bool only_insides = false;
   float box[6];  // of the tests, as a query of boxes; or of spheres
   // Spheres must be at most as far away from the box as their radius and this.
   // Without dimensions there is no box.
   std::uint8_t near_dims;
-  std::uint32_t radius_plane;  // of spheres; else a number of no plane
+  std::uint32_t radius_plane;  // of spheres; else kNoPlane
   float radius;
-  // The greatest number of the box and of the negative offsets, for bounds that
-  // touch the box. Infinity if it depends on the bounds.
-  float size;
-  // The first two tests read all planes.
-  bool is_paired;
-  // Numbers of the tests that can reject.
-  std::uint8_t front[kMostHalfSpaces];
-  std::uint8_t front_count;
-  // All tests read the same planes, one for each term. Otherwise a term has a
-  // minimum and a maximum.
-  bool is_shared;
-  std::uint8_t terms;
+
+  static constexpr std::uint32_t kNoPlane = ~std::uint32_t{0};
 };
 
 // Called in the default floating-point mode.
