@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <new>
 
 #include "kernels/bvh/block.h"
 #include "kernels/compiler.h"
@@ -24,14 +23,6 @@ float SquaredLimit(float radius) {
   const float limit = radius * radius * (1 + 0x1.2p-18f) + 0x1p-124f;
   if (limit >= 0x1.fffffp127f) return std::numeric_limits<float>::infinity();
   return limit;
-}
-
-// Returns false if the half-space rejects nothing with this offset.
-bool SetOffset(double scaled, HalfSpaceTest& test) {
-  const bool is_finite = std::isfinite(scaled);
-  scaled = std::clamp(scaled, -0x1p126, 0x1p126);
-  test.offset = RoundedUp(scaled);
-  return is_finite && scaled < 0x1p126;
 }
 
 }  // namespace
@@ -132,132 +123,50 @@ void MakeLine(const PlaneLayout& planes, const double* low, const double* high,
   if (limiting == 0) line.entering = line.planes = 0;
 }
 
-namespace {
-
-// Makes the test of TestOf() for boxes or spheres, in a third of the time.
-// Returns false if a number is 0, tiny, huge or NaN.
-template <std::size_t kDims, bool kIsSphere>
-bool TrySetTest(const PlaneLayout& planes, const float* normal, float offset,
-                HalfSpaceTest& test) {
-  bool is_usual = std::abs(offset) <= 0x1p60f;
-  float largest = 0;
-  double squared = 0;
-  for (std::size_t k = 0; k < kDims; ++k) {
-    const float size = std::abs(normal[k]);
-    is_usual &= size >= 0x1p-40f;
-    is_usual &= size <= 0x1p40f;
-    largest = std::max(largest, size);
-    squared += double{size} * size;
-  }
-  if (!is_usual) return false;
-  // A sphere reaches as far as its radius times the length of the normal.
-  const double length =
-      kIsSphere ? std::sqrt(squared) * (1 + 0x1p-50) : double{largest};
-  constexpr std::uint64_t kOne = 1023;  // the exponent of 1
-  const auto scale = kernels::BitCast<double>(
-      (kOne - 4 - (kernels::BitCast<std::uint64_t>(length) >> 52) + kOne)
-      << 52);
-  test.terms = kDims + (kIsSphere ? 1 : 0);
-  test.offset = RoundedUp(offset * scale);
-  for (std::size_t k = 0; k < kDims; ++k) {
-    const float factor = normal[k] * static_cast<float>(scale);
-    // No branch on the sign, because it would be mispredicted.
-    const auto min = static_cast<std::uint32_t>(k);
-    const std::uint32_t axes = kIsSphere ? 0 : planes.axes;
-    const std::uint32_t up = axes * std::uint32_t{factor > 0};
-    test.term[k] = {min + up, min + axes - up, factor, factor};
-  }
-  if constexpr (kIsSphere) {
-    const float factor = RoundedUp(length * scale);
-    test.term[kDims] = {kDims, kDims, factor, factor};
-  }
-  return true;
-}
-
-// Without loops of unknown length, and without the terms that a box lacks: a
-// list of six half-spaces takes half as long.
-template <std::size_t kDims, bool kHasMax>
-HalfSpaceTest TestOf(const PlaneLayout& planes, const float* normal,
-                     float offset) {
-  constexpr std::uint64_t kOne = 1023;  // the exponent of 1
-  // A simplex has only minima, so the normal is written as a combination of the
-  // axes with factors of at most 0: `normal[k] - most` for axis k, and `-most`
-  // for D.
-  const bool is_sphere = planes.kind == PlaneLayout::kSphere;
-  double most = 0;
-  double squared = 0;
-  for (std::size_t k = 0; k < kDims; ++k) {
-    if (!kHasMax && !is_sphere) {
-      most = std::max(most, double{normal[k]});
-    }
-    squared += double{normal[k]} * normal[k];
-  }
-  constexpr std::size_t kFactors = kDims + (kHasMax ? 0 : 1);
-  double factors[kFactors] = {};
-  double largest = 0;
-  bool is_finite = std::isfinite(offset);
-  for (std::size_t k = 0; k < kDims; ++k) {
-    is_finite &= std::isfinite(normal[k]);
-    factors[k] = normal[k] - most;
-    largest = std::max(largest, std::abs(factors[k]));
-  }
-  if constexpr (!kHasMax) {
-    // A sphere reaches as far as its radius times the length of the normal.
-    factors[kDims] = is_sphere ? std::sqrt(squared) * (1 + 0x1p-50) : -most;
-    largest = std::max(largest, std::abs(factors[kDims]));
-  }
-  // The factors are scaled by a power of two to 1/8 or less, so that finite
-  // planes cannot overflow.
-  const double scale =
-      is_finite && largest > 0
-          ? kernels::BitCast<double>(
-                (kOne - 4 - (kernels::BitCast<std::uint64_t>(largest) >> 52) +
-                 kOne)
-                << 52)
-          : 1;
-  HalfSpaceTest test{};
-  bool tells = SetOffset(offset * scale, test) && is_finite;
-  for (std::size_t k = 0; tells && k < kFactors; ++k) {
-    const double factor = factors[k] * scale;
-    if (factor == 0 && !is_sphere) continue;
-    // So that it is no subnormal float.
-    tells = factor == 0 || std::abs(factor) >= 0x1p-100;
-    const auto min = static_cast<std::uint32_t>(k);
-    const auto max = static_cast<std::uint32_t>(planes.axes + k);
-    const bool is_max = kHasMax && factor > 0;
-    // The factors of a simplex are differences, and that of a radius a root.
-    const bool is_exact = kHasMax || (is_sphere && k < kDims);
-    const float more =
-        is_exact ? static_cast<float>(factor) : RoundedUp(factor);
-    test.term[test.terms++] = {
-        is_max ? max : min, is_max || is_sphere ? min : max, more,
-        kHasMax || is_sphere ? more : RoundedDown(factor)};
-  }
-  if (!tells) test = {0, 0, {}};
-  return test;
-}
-
-}  // namespace
-
 void MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
                        float offset, HalfSpaceTest& test) {
-  const bool is_2d = planes.dims == 2;
+  // So that no factor below is infinite.
+  bool is_usual = std::isfinite(offset);
+  for (std::size_t k = 0; k < planes.dims; ++k) {
+    is_usual &= std::abs(normal[k]) <= 0x1p126f;
+  }
+  test.offset = is_usual ? offset : 0;
+  test.terms = 0;
+  if (!is_usual) return;
+  std::uint32_t terms = 0;
   if (planes.has_max) {
-    if ((is_2d ? TrySetTest<2, false> : TrySetTest<3, false>)(planes, normal,
-                                                              offset, test)) {
-      return;
+    const std::uint32_t axes = planes.axes;
+    for (std::uint32_t k = 0; k < planes.dims; ++k) {
+      if (normal[k] == 0) continue;
+      // No branch on the sign, because it would be mispredicted.
+      const std::uint32_t up = axes * std::uint32_t{normal[k] > 0};
+      test.term[terms++] = {k + up, k + axes - up, normal[k], normal[k]};
     }
   } else if (planes.kind == PlaneLayout::kSphere) {
-    if ((is_2d ? TrySetTest<2, true> : TrySetTest<3, true>)(planes, normal,
-                                                            offset, test)) {
-      return;
+    double squared = 0;
+    for (std::uint32_t k = 0; k < planes.dims; ++k) {
+      squared += double{normal[k]} * normal[k];
+      test.term[terms++] = {k, k, normal[k], normal[k]};
+    }
+    // A sphere reaches as far as its radius times the length of the normal.
+    const float length = RoundedUp(std::sqrt(squared) * (1 + 0x1p-50));
+    test.term[terms] = {terms, terms, length, length};
+    ++terms;
+  } else {
+    // A simplex has only minima, so the normal is written as a combination of
+    // the axes with factors of at most 0: `normal[k] - most` for axis k, and
+    // `-most` for D.
+    double most = 0;
+    for (std::size_t k = 0; k < planes.dims; ++k) {
+      most = std::max(most, double{normal[k]});
+    }
+    for (std::uint32_t k = 0; k <= planes.dims; ++k) {
+      const double factor = (k < planes.dims ? normal[k] : 0) - most;
+      if (factor == 0) continue;
+      test.term[terms++] = {k, k, RoundedUp(factor), RoundedDown(factor)};
     }
   }
-  const auto make = planes.has_max
-                        ? (is_2d ? &TestOf<2, true> : &TestOf<3, true>)
-                        : (is_2d ? &TestOf<2, false> : &TestOf<3, false>);
-  // Constructed in place, because a copy would wait for the stores.
-  new (&test) HalfSpaceTest(make(planes, normal, offset));
+  test.terms = terms;
 }
 
 namespace {
@@ -314,37 +223,5 @@ void MakeHalfSpaceTests(const PlaneLayout& planes, const float* half_spaces,
     }
   }
 }
-
-template <std::size_t kDims>
-void MakeHalfSpaceTests(const PlaneLayout& planes, const float* normal,
-                        float offset, float opposite_offset,
-                        HalfSpaceTest* two) {
-  constexpr double kScale = 0x1p-4;
-  bool tells = SetOffset(offset * kScale, two[0]);
-  bool opposite_tells = SetOffset(opposite_offset * kScale, two[1]);
-  std::size_t terms = 0;
-  for (std::size_t k = 0; k < kDims; ++k) {
-    const double factor = normal[k] * kScale;
-    if (factor == 0) continue;
-    // Also for NaN.
-    if (!(std::abs(factor) >= 0x1p-100)) tells = opposite_tells = false;
-    const auto min = static_cast<std::uint32_t>(k);
-    const auto max = static_cast<std::uint32_t>(planes.axes + k);
-    const std::uint32_t plane = factor > 0 ? max : min;
-    const std::uint32_t opposite = min + max - plane;
-    const auto exact = static_cast<float>(factor);
-    two[0].term[terms] = {plane, opposite, exact, exact};
-    two[1].term[terms++] = {opposite, plane, -exact, -exact};
-  }
-  two[0].terms = tells ? terms : 0;
-  two[1].terms = opposite_tells ? terms : 0;
-  if (!tells) two[0].offset = 0;
-  if (!opposite_tells) two[1].offset = 0;
-}
-
-template void MakeHalfSpaceTests<2>(const PlaneLayout&, const float*, float,
-                                    float, HalfSpaceTest*);
-template void MakeHalfSpaceTests<3>(const PlaneLayout&, const float*, float,
-                                    float, HalfSpaceTest*);
 
 }  // namespace halfspace::detail

@@ -282,17 +282,9 @@ class Prepared {
       reach += std::abs(along * half_extents[a]);
     }
     reach += size * 0x1p-48;
-    const float offset = RoundedUp(reach - middle);
-    const float opposite_offset = RoundedUp(reach + middle);
-    if (world_.has_max) {
-      MakeHalfSpaceTests<kDims>(world_, up, offset, opposite_offset,
-                                half_spaces_.test + half_spaces_.count);
-      half_spaces_.count += 2;
-      return;
-    }
-    AddHalfSpace(up, offset);
+    AddHalfSpace(up, RoundedUp(reach - middle));
     for (float& component : up) component = -component;
-    AddHalfSpace(up, opposite_offset);
+    AddHalfSpace(up, RoundedUp(reach + middle));
   }
 
   void AddHalfSpace(const float* normal, float offset) {

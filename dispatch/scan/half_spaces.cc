@@ -1,10 +1,11 @@
 // Half-spaces as a query of kernels, and the calls of kernels.h that take them.
 #include "kernels/scan/half_spaces.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
+#include <limits>
 
 #include "dispatch/default_fp_mode.h"
 #include "dispatch/targets/chosen_target.h"
@@ -14,33 +15,48 @@
 
 namespace halfspace::detail {
 
+namespace {
+
+// Gives the radius the largest of its factors in all tests, if they differ by
+// less than the rounding of a unit vector. Otherwise returns false.
+bool ShareRadius(HalfSpaceTests& tests, std::size_t radius_term) {
+  float least = std::numeric_limits<float>::infinity();
+  float most = 0;
+  for (std::size_t f = 0; f < tests.count; ++f) {
+    const float factor = tests.test[f].term[radius_term].more;
+    least = std::min(least, factor);
+    most = std::max(most, factor);
+  }
+  if (least < most * (1 - 0x1p-18f)) return false;
+  for (std::size_t f = 0; f < tests.count; ++f) {
+    tests.test[f].term[radius_term].more = most;
+    tests.test[f].term[radius_term].less = most;
+  }
+  return true;
+}
+
+}  // namespace
+
 void MakeHalfSpaceQuery(const PlaneLayout& layout, const ShapeScan& shape,
                         HalfSpaceQuery& query) {
   HalfSpaceTests& tests = query.tests;
   MakeHalfSpaceTests(layout, shape.half_spaces, shape.count, tests);
+  HalfSpaceTest* const first = tests.test;
+  HalfSpaceTest* const end = first + tests.count;
+  HalfSpaceTest* const last = std::partition(
+      first, end, [](const HalfSpaceTest& test) { return test.terms != 0; });
+  query.rejects_all = std::any_of(
+      last, end, [](const HalfSpaceTest& test) { return test.offset < 0; });
+  tests.count = static_cast<std::size_t>(last - first);
+  const HalfSpaceTest* const full_end = std::partition(
+      first, last,
+      [&](const HalfSpaceTest& test) { return test.terms >= layout.dims; });
+  query.full_count = static_cast<std::size_t>(full_end - first);
   const bool is_sphere = layout.kind == PlaneLayout::kSphere;
-  query.terms = 0;
-  if (layout.has_max) query.terms = layout.dims;
-  if (is_sphere) query.terms = layout.plane_count;
-  query.rejects_all = false;
-  query.full_count = 0;
-  std::size_t count = 0;
-  for (std::size_t f = 0; f < tests.count; ++f) {
-    const HalfSpaceTest& test = tests.test[f];
-    if (test.terms == 0) {
-      query.rejects_all |= test.offset < 0;
-      continue;
-    }
-    if (f != count) tests.test[count] = test;
-    if (tests.test[count].terms == query.terms) {
-      if (query.full_count != count) {
-        std::swap(tests.test[query.full_count], tests.test[count]);
-      }
-      ++query.full_count;
-    }
-    ++count;
+  query.terms = layout.has_max ? layout.dims : 0;
+  if (is_sphere) {
+    query.terms = layout.dims + (ShareRadius(tests, layout.dims) ? 0 : 1);
   }
-  tests.count = count;
   query.near_dims = 0;
   query.radius_plane = is_sphere ? layout.dims : HalfSpaceQuery::kNoPlane;
   const bool is_near = shape.low != nullptr;

@@ -97,18 +97,21 @@ HWY_INLINE V SumUp(D d, V a, V b) {
   }
 }
 
-// Negative for bounds behind the half-space, or NaN. plane_of(term) is a vector
-// of the plane that a term reads. Needs the mode UpwardFpMode.
-template <class D, class PlaneOf>
+// Negative for bounds behind the half-space, or NaN, with the first terms of
+// the test. plane_of(term) is a vector of the plane that a term reads. Only the
+// factors of a simplex can differ. Needs the mode UpwardFpMode.
+template <bool kIsSimplex, class D, class PlaneOf>
 HWY_INLINE hn::Vec<D> HalfSpaceSum(D d, const detail::HalfSpaceTest& test,
-                                   const PlaneOf& plane_of) {
+                                   size_t terms, const PlaneOf& plane_of) {
   auto sum = hn::Set(d, test.offset);
-  for (size_t t = 0; t < test.terms; ++t) {
+  for (size_t t = 0; t < terms; ++t) {
     const detail::HalfSpaceTest::Term& term = test.term[t];
     const auto value = plane_of(term);
-    sum = SumUp(d, sum,
-                GreaterOf(ProductUp(d, value, hn::Set(d, term.more)),
-                          ProductUp(d, value, hn::Set(d, term.less))));
+    auto product = ProductUp(d, value, hn::Set(d, term.more));
+    if constexpr (kIsSimplex) {
+      product = GreaterOf(product, ProductUp(d, value, hn::Set(d, term.less)));
+    }
+    sum = SumUp(d, sum, product);
   }
   return sum;
 }

@@ -113,13 +113,6 @@ void MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
 // Makes the tests of a list of half-spaces, each a normal and an offset.
 void MakeHalfSpaceTests(const PlaneLayout& planes, const float* half_spaces,
                         std::size_t count, HalfSpaceTests& tests);
-// Makes the tests of two half-spaces with opposite normals, for bounds with
-// maxima. The largest component of the normal is 1. Takes less than half the
-// time of two calls of MakeHalfSpaceTest().
-template <std::size_t kDims>
-void MakeHalfSpaceTests(const PlaneLayout& planes, const float* normal,
-                        float offset, float opposite_offset,
-                        HalfSpaceTest* two);
 
 }  // namespace halfspace::detail
 

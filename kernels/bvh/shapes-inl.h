@@ -100,6 +100,11 @@ class ShapeQuery {
   uint64_t TestOnlyLeaf(size_t query, const detail::BvhLevel& level) const {
     return Test(query, level, 0);
   }
+  // Calls function() in the floating-point mode of the caller.
+  template <typename Function>
+  static bool Outside(const Function& function) {
+    return function();
+  }
 };
 
 // The bounds that a sphere or a rounded box may touch.
@@ -195,19 +200,23 @@ class HalfSpacesQuery : public ShapeQuery<HalfSpacesQuery> {
 
   HWY_NOINLINE uint64_t TestApart(size_t, const detail::BvhLevel& level,
                                   size_t block) const {
-    const UpwardFpMode mode;
-    return Bits<false>(level, block, level.present[block]);
+    return half_spaces_.max_plane == 0
+               ? Bits<false, true>(level, block, level.present[block])
+               : Bits<false, false>(level, block, level.present[block]);
+  }
+  template <typename Function>
+  bool Outside(const Function& function) {
+    return mode_.Outside(function);
   }
   HWY_NOINLINE uint64_t Inside(size_t, const detail::BvhLevel& level,
                                size_t block, uint64_t kept) const {
-    const UpwardFpMode mode;
-    return Bits<true>(level, block, kept);
+    return Bits<true, false>(level, block, kept);
   }
 
  private:
   // The bounds whose farthest corners are in front of all half-spaces, or, with
   // kIsNearest, their nearest corners.
-  template <bool kIsNearest>
+  template <bool kIsNearest, bool kIsSimplex>
   HWY_NOINLINE uint64_t Bits(const detail::BvhLevel& level, size_t block,
                              uint64_t candidates) const {
     const float* const floats = level.Plane(block, 0);
@@ -222,8 +231,9 @@ class HalfSpacesQuery : public ShapeQuery<HalfSpacesQuery> {
     for (size_t i = 0; i < detail::kBlockObjects; i += lanes) {
       for (size_t f = 0; f < half_spaces_.count && (candidates & all << i) != 0;
            ++f) {
-        const auto sum = HalfSpaceSum(
-            d, half_spaces_.test[f],
+        const detail::HalfSpaceTest& test = half_spaces_.test[f];
+        const auto sum = HalfSpaceSum<kIsSimplex>(
+            d, test, test.terms,
             [&](const detail::HalfSpaceTest::Term& term) HWY_ATTR {
               const size_t plane = kIsNearest ? term.opposite : term.plane;
               return hn::LoadU(d, floats + plane * detail::kBlockObjects + i);
@@ -261,6 +271,8 @@ class HalfSpacesQuery : public ShapeQuery<HalfSpacesQuery> {
   }
 
   const detail::HalfSpaceTests& half_spaces_;
+  // During the whole walk, whose other steps compute no floats.
+  UpwardFpMode mode_;
 };
 
 }  // namespace HWY_NAMESPACE

@@ -81,6 +81,10 @@ class PlaneQueries {
                                    const detail::BvhLevel& level) const {
     return TestFloats<kAxes, kHasMax, true>(level, 0, At(query));
   }
+  template <typename Function>
+  static bool Outside(const Function& function) {
+    return function();
+  }
   // The nodes of `kept` all of whose objects survive.
   HWY_INLINE uint64_t Inside(size_t query, const detail::BvhLevel& level,
                              size_t block, uint64_t kept) const {
@@ -411,7 +415,7 @@ class Walker {
           ids.next);
       if (ids.next >= ids.full) [[unlikely]] {
         many_leaves_ = kManyLeaves;
-        return ids.flush(ids);
+        return query_.Outside([&ids] { return ids.flush(ids); });
       }
     } else {
       walk_.counts[query] += hwy::PopCount(bits);

@@ -46,26 +46,29 @@ HWY_INLINE hn::Mask<D> IsFar(D d, Load load, const float* const* planes,
   return hn::Gt(distance, hn::Mul(reach, reach));
 }
 
-// The objects of a vector whose foremost corners are in front of all
-// half-spaces, or, with kIsNearest, all of their corners. The test ends when
-// none is left.
-template <bool kIsNearest, class D, class Load>
+// What a word of objects is tested for: their foremost corners are in front of
+// all half-spaces, those of simplices too, or all of their corners are.
+enum class Corners { kForemost, kForemostOfSimplex, kAll };
+
+// The test of a vector ends when no object is left.
+template <Corners kCorners, class D, class Load>
 HWY_INLINE uint64_t HalfSpaceBits(D d, Load load, const float* const* planes,
                                   const detail::HalfSpaceQuery& query,
                                   size_t i) {
+  constexpr bool kAll = kCorners == Corners::kAll;
   const detail::HalfSpaceTests& tests = query.tests;
+  const bool is_sphere = query.radius_plane != query.kNoPlane;
   uint64_t kept = ~uint64_t{0} >> (kWordObjects - hn::Lanes(d));
-  if (!kIsNearest && query.near_dims != 0) {
+  if (!kAll && query.near_dims != 0) {
     kept &= ~LaneBits(d, IsFar(d, load, planes, query, i));
   }
-  const size_t dims =
-      kIsNearest ? query.near_dims + tests.box_dims : tests.box_dims;
+  const size_t dims = kAll ? query.near_dims + tests.box_dims : tests.box_dims;
   for (size_t k = 0; k < dims && kept != 0; ++k) {
     auto min = load(d, planes[k] + i);
     auto max = load(d, planes[tests.max_plane + k] + i);
     const auto low = hn::Set(d, query.box[k]);
     const auto high = hn::Set(d, query.box[dims + k]);
-    if constexpr (kIsNearest) {
+    if constexpr (kAll) {
       if (query.near_dims != 0) {
         const auto radius = load(d, planes[query.near_dims] + i);
         min = hn::Sub(min, radius);
@@ -77,25 +80,28 @@ HWY_INLINE uint64_t HalfSpaceBits(D d, Load load, const float* const* planes,
     }
   }
   for (size_t f = 0; f < tests.count && kept != 0; ++f) {
-    const auto sum = HalfSpaceSum(
-        d, tests.test[f],
-        [&](const detail::HalfSpaceTest::Term& term) HWY_ATTR {
-          if constexpr (kIsNearest) {
-            const auto value = load(d, planes[term.opposite] + i);
-            return term.plane == query.radius_plane ? hn::Neg(value) : value;
-          } else {
-            return load(d, planes[term.plane] + i);
-          }
+    const detail::HalfSpaceTest& test = tests.test[f];
+    const size_t terms = test.terms - (kAll && is_sphere ? 1 : 0);
+    auto sum = HalfSpaceSum<kCorners == Corners::kForemostOfSimplex>(
+        d, test, terms, [&](const detail::HalfSpaceTest::Term& term) HWY_ATTR {
+          return load(d, planes[kAll ? term.opposite : term.plane] + i);
         });
+    if constexpr (kAll) {
+      if (is_sphere) {
+        const auto reach = ProductUp(d, load(d, planes[query.radius_plane] + i),
+                                     hn::Set(d, test.term[terms].more));
+        sum = SumUp(d, sum, hn::Neg(reach));
+      }
+    }
     // Not Ne(sum, sum), which is false for a NaN on some targets.
-    kept &= kIsNearest ? LaneBits(d, hn::Ge(sum, hn::Zero(d)))
-                       : ~LaneBits(d, hn::Lt(sum, hn::Zero(d)));
+    kept &= kAll ? LaneBits(d, hn::Ge(sum, hn::Zero(d)))
+                 : ~LaneBits(d, hn::Lt(sum, hn::Zero(d)));
   }
   return kept;
 }
 
 // Objects begin ... begin + count - 1, at most 64.
-template <bool kIsNearest = false>
+template <Corners kCorners>
 HWY_NOINLINE uint64_t HalfSpaceWord(const float* const* planes,
                                     const detail::HalfSpaceQuery& query,
                                     size_t begin, size_t count) {
@@ -104,12 +110,12 @@ HWY_NOINLINE uint64_t HalfSpaceWord(const float* const* planes,
   uint64_t bits = 0;
   size_t l = 0;
   for (; l + lanes <= count; l += lanes) {
-    bits |= HalfSpaceBits<kIsNearest>(d, LoadAll(), planes, query, begin + l)
+    bits |= HalfSpaceBits<kCorners>(d, LoadAll(), planes, query, begin + l)
             << l;
   }
   if (l == count) return bits;
   const LoadFirst load{count - l};
-  bits |= HalfSpaceBits<kIsNearest>(d, load, planes, query, begin + l) << l;
+  bits |= HalfSpaceBits<kCorners>(d, load, planes, query, begin + l) << l;
   return bits & ~(~uint64_t{0} << count);
 }
 
@@ -121,7 +127,8 @@ struct FrontTest {
   float offset;
 };
 
-// The sums of one vector. They are those of HalfSpaceSum().
+// The sums of one vector, without the terms after the first ones. Otherwise
+// they are those of HalfSpaceSum().
 template <size_t... kTerm, class D>
 HWY_INLINE hn::Vec<D> SumOf(std::index_sequence<kTerm...>, D d,
                             const float* const* planes, const FrontTest& test,
@@ -134,57 +141,83 @@ HWY_INLINE hn::Vec<D> SumOf(std::index_sequence<kTerm...>, D d,
   return sum;
 }
 
+// What the tests of a word read: boxes minima or maxima, spheres the same
+// planes, which stay in registers. A radius that all tests multiply by the same
+// factor is added once.
+enum class Front { kBoxes, kSpheres, kSpheresWithOneRadius };
+
 // Lowers the least sums of several vectors, `least`, by those of some tests.
-// All tests of spheres read the same planes, kIsShared, which stay in
-// registers.
-template <size_t kTerms, bool kIsShared, size_t... kVector, class D, class... V>
+template <size_t kTerms, Front kFront, size_t... kVector, class D, class... V>
 HWY_INLINE void AddSums(std::index_sequence<kVector...>, D d,
                         const FrontTest* tests, size_t begin, size_t end,
                         size_t i, V&... least) {
   const float* const* const shared = tests[0].plane;
   for (size_t f = begin; f < end; ++f) {
     ((least = LesserOf(SumOf(std::make_index_sequence<kTerms>(), d,
-                             kIsShared ? shared : tests[f].plane, tests[f],
-                             i + kVector * hn::Lanes(d)),
+                             kFront == Front::kBoxes ? tests[f].plane : shared,
+                             tests[f], i + kVector * hn::Lanes(d)),
                        least)),
      ...);
   }
 }
 
+// The tests of a call, and what the radius is read from and multiplied by.
+struct FrontTests {
+  FrontTest test[detail::kMostHalfSpaces];
+  const float* radius;
+  float radius_factor;
+};
+
+// The objects of several vectors with a negative sum. The least of several sums
+// is still the least with the radius, because rounding is monotone.
+template <Front kFront, size_t... kVector, class D, class... V>
+HWY_INLINE uint64_t NegativeBits(std::index_sequence<kVector...>, D d,
+                                 const FrontTests& tests, size_t i,
+                                 V... least) {
+  if constexpr (kFront == Front::kSpheresWithOneRadius) {
+    const auto factor = hn::Set(d, tests.radius_factor);
+    ((least = SumUp(
+          d, least,
+          ProductUp(d, hn::LoadU(d, tests.radius + i + kVector * hn::Lanes(d)),
+                    factor))),
+     ...);
+  }
+  const auto zero = hn::Zero(d);
+  return (... | (LaneBits(d, hn::Lt(least, zero)) << (kVector * hn::Lanes(d))));
+}
+
 // The objects of several vectors that are behind a half-space. `least` are
 // vectors of infinity.
-template <size_t kTerms, bool kIsShared, size_t... kVector, class D, class... V>
+template <size_t kTerms, Front kFront, size_t... kVector, class D, class... V>
 HWY_INLINE uint64_t BehindBits(std::index_sequence<kVector...> vectors, D d,
-                               const FrontTest* tests,
+                               const FrontTests& tests,
                                const detail::HalfSpaceQuery& query, size_t i,
                                size_t* exits, V... least) {
-  const size_t lanes = hn::Lanes(d);
-  const auto zero = hn::Zero(d);
   size_t begin = 0;
   if (exits != nullptr) {
     begin = query.full_count / 2;
-    AddSums<kTerms, kIsShared>(vectors, d, tests, 0, begin, i, least...);
+    AddSums<kTerms, kFront>(vectors, d, tests.test, 0, begin, i, least...);
     const uint64_t behind =
-        (... | (LaneBits(d, hn::Lt(least, zero)) << (kVector * lanes)));
-    const size_t objects = sizeof...(V) * lanes;
+        NegativeBits<kFront>(vectors, d, tests, i, least...);
+    const size_t objects = sizeof...(V) * hn::Lanes(d);
     if (behind == ~uint64_t{0} >> (kWordObjects - objects)) {
       *exits += objects;
       return behind;
     }
   }
-  AddSums<kTerms, kIsShared>(vectors, d, tests, begin, query.full_count, i,
-                             least...);
-  if constexpr (!kIsShared) {
-    AddSums<kTerms - 1, false>(vectors, d, tests, query.full_count,
-                               query.tests.count, i, least...);
+  AddSums<kTerms, kFront>(vectors, d, tests.test, begin, query.full_count, i,
+                          least...);
+  if constexpr (kFront == Front::kBoxes) {
+    AddSums<kTerms - 1, kFront>(vectors, d, tests.test, query.full_count,
+                                query.tests.count, i, least...);
   }
-  return (... | (LaneBits(d, hn::Lt(least, zero)) << (kVector * lanes)));
+  return NegativeBits<kFront>(vectors, d, tests, i, least...);
 }
 
 // As many vectors are tested together as registers hold, so that each factor is
 // read once for them.
-template <size_t kTerms, bool kIsShared>
-HWY_INLINE uint64_t FrontWord(const FrontTest* tests,
+template <size_t kTerms, Front kFront>
+HWY_INLINE uint64_t FrontWord(const FrontTests& tests,
                               const detail::HalfSpaceQuery& query, size_t i,
                               size_t* exits) {
   const WordTag<float> d;
@@ -193,21 +226,22 @@ HWY_INLINE uint64_t FrontWord(const FrontTest* tests,
   constexpr size_t kVectors = 1;
 #else
   // With 16 registers two vectors of each shared plane fit.
-  constexpr size_t kVectors = kIsShared && hn::MaxLanes(d) < 16 ? 2 : 4;
+  constexpr size_t kVectors =
+      kFront != Front::kBoxes && hn::MaxLanes(d) < 16 ? 2 : 4;
 #endif
   constexpr std::make_index_sequence<kVectors> kNumbers;
   uint64_t behind = 0;
   for (size_t l = 0; l < kWordObjects; l += kVectors * hn::Lanes(d)) {
     uint64_t bits;
     if constexpr (kVectors == 1) {
-      bits = BehindBits<kTerms, kIsShared>(kNumbers, d, tests, query, i + l,
-                                           exits, inf);
+      bits = BehindBits<kTerms, kFront>(kNumbers, d, tests, query, i + l, exits,
+                                        inf);
     } else if constexpr (kVectors == 2) {
-      bits = BehindBits<kTerms, kIsShared>(kNumbers, d, tests, query, i + l,
-                                           exits, inf, inf);
+      bits = BehindBits<kTerms, kFront>(kNumbers, d, tests, query, i + l, exits,
+                                        inf, inf);
     } else {
-      bits = BehindBits<kTerms, kIsShared>(kNumbers, d, tests, query, i + l,
-                                           exits, inf, inf, inf, inf);
+      bits = BehindBits<kTerms, kFront>(kNumbers, d, tests, query, i + l, exits,
+                                        inf, inf, inf, inf);
     }
     behind |= bits << l;
   }
@@ -249,18 +283,22 @@ HWY_INLINE uint64_t NearWord(const float* const* planes,
 
 // Writes the survivors of objects begin ... begin + count - 1, at least 64. The
 // words that miss the box are tested no further.
-template <size_t kTerms, bool kIsShared>
+template <size_t kTerms, Front kFront>
 HWY_NOINLINE void FrontWords(const float* const* planes,
                              const detail::HalfSpaceQuery& query, size_t begin,
                              size_t count, uint64_t* words) {
-  FrontTest tests[detail::kMostHalfSpaces];
+  FrontTests tests;
   for (size_t f = 0; f < query.tests.count; ++f) {
     const detail::HalfSpaceTest& test = query.tests.test[f];
-    tests[f].offset = test.offset;
-    for (size_t t = 0; t < test.terms; ++t) {
-      tests[f].plane[t] = planes[test.term[t].plane];
-      tests[f].factor[t] = test.term[t].more;
+    tests.test[f].offset = test.offset;
+    for (size_t t = 0; t < kTerms && t < test.terms; ++t) {
+      tests.test[f].plane[t] = planes[test.term[t].plane];
+      tests.test[f].factor[t] = test.term[t].more;
     }
+  }
+  if (kFront == Front::kSpheresWithOneRadius && query.tests.count != 0) {
+    tests.radius = planes[query.radius_plane];
+    tests.radius_factor = query.tests.test[0].term[kTerms].more;
   }
   // The number of objects of the last eight words that were all rejected
   // halfway. In the order of a curve the next words are similar. In random
@@ -280,7 +318,7 @@ HWY_NOINLINE void FrontWords(const float* const* planes,
     const size_t i = begin + end - kWordObjects - past;
     uint64_t word = NearWord(planes, query, i);
     if (word != 0 && query.tests.count != 0) {
-      word &= FrontWord<kTerms, kIsShared>(tests, query, i, counted);
+      word &= FrontWord<kTerms, kFront>(tests, query, i, counted);
     }
     words[w] = word >> past;
   }
@@ -292,8 +330,8 @@ void KeepInsides(const float* const* planes,
                  size_t count, uint64_t* words) {
   for (size_t i = 0; i < count; i += kWordObjects, ++words) {
     if (*words == 0) continue;
-    *words &= HalfSpaceWord<true>(planes, query, begin + i,
-                                  HWY_MIN(kWordObjects, count - i));
+    *words &= HalfSpaceWord<Corners::kAll>(planes, query, begin + i,
+                                           HWY_MIN(kWordObjects, count - i));
   }
 }
 
@@ -302,23 +340,32 @@ void HalfSpaceMask(const void* pointers, size_t begin, size_t count,
   const auto* planes = static_cast<const float* const*>(pointers);
   const auto& query = *static_cast<const detail::HalfSpaceQuery*>(values);
   const UpwardFpMode mode;
+  const bool is_sphere = query.radius_plane != query.kNoPlane;
   if (query.only_insides) {
     KeepInsides(planes, query, begin, count, words);
   } else if (query.rejects_all) {
     for (size_t w = 0; w * kWordObjects < count; ++w) words[w] = 0;
-  } else if (count < kWordObjects || query.terms == 0) {
-    for (size_t i = 0; i < count; i += kWordObjects) {
-      *words++ = HalfSpaceWord(planes, query, begin + i,
-                               HWY_MIN(kWordObjects, count - i));
-    }
-  } else if (query.radius_plane != query.kNoPlane) {
-    (query.terms == 4
-         ? FrontWords<4, true>
-         : FrontWords<3, true>)(planes, query, begin, count, words);
+  } else if (count >= kWordObjects && query.terms != 0) {
+    using Words = decltype(&FrontWords<2, Front::kBoxes>);
+    constexpr Words kBoxes[] = {&FrontWords<2, Front::kBoxes>,
+                                &FrontWords<3, Front::kBoxes>};
+    // By the number of dimensions and of terms.
+    constexpr Words kSpheres[2][2] = {
+        {&FrontWords<2, Front::kSpheresWithOneRadius>,
+         &FrontWords<3, Front::kSpheres>},
+        {&FrontWords<3, Front::kSpheresWithOneRadius>,
+         &FrontWords<4, Front::kSpheres>}};
+    const size_t dims = is_sphere ? query.radius_plane : query.terms;
+    (is_sphere ? kSpheres[dims - 2][query.terms - dims] : kBoxes[dims - 2])(
+        planes, query, begin, count, words);
   } else {
-    (query.terms == 3
-         ? FrontWords<3, false>
-         : FrontWords<2, false>)(planes, query, begin, count, words);
+    const bool is_simplex = query.tests.max_plane == 0 && !is_sphere;
+    const auto word = is_simplex ? HalfSpaceWord<Corners::kForemostOfSimplex>
+                                 : HalfSpaceWord<Corners::kForemost>;
+    for (size_t i = 0; i < count; i += kWordObjects) {
+      *words++ =
+          word(planes, query, begin + i, HWY_MIN(kWordObjects, count - i));
+    }
   }
 }
 

@@ -11,11 +11,13 @@
 namespace halfspace::detail {
 
 struct HalfSpaceQuery {
-  // Only those that can reject. First those with `terms` terms, then those with
-  // one less, because a component of the normal is 0.
+  // Without those that reject nothing or everything. First those with a term
+  // for each axis, then those whose normal has a 0.
   HalfSpaceTests tests;
   std::size_t full_count;
-  std::uint8_t terms;  // 0 for bounds without maxima
+  // The terms of each full test, without that of a radius that all of them
+  // multiply by the same factor. 0 for simplices.
+  std::uint8_t terms;
   bool rejects_all;
   // The kernel reads the words, and clears the bits of objects with a corner
   // behind a half-space. Otherwise it writes the survivors.
