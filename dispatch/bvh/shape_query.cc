@@ -123,13 +123,22 @@ void MakeLine(const PlaneLayout& planes, const double* low, const double* high,
   if (limiting == 0) line.entering = line.planes = 0;
 }
 
-void MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
-                       float offset, HalfSpaceTest& test) {
-  // So that no factor below is infinite.
+namespace {
+
+// Of others, a factor might be infinite.
+bool IsUsual(const float* normal, float offset, std::size_t dims) {
   bool is_usual = std::isfinite(offset);
-  for (std::size_t k = 0; k < planes.dims; ++k) {
+  for (std::size_t k = 0; k < dims; ++k) {
     is_usual &= std::abs(normal[k]) <= 0x1p126f;
   }
+  return is_usual;
+}
+
+}  // namespace
+
+void MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
+                       float offset, HalfSpaceTest& test) {
+  const bool is_usual = IsUsual(normal, offset, planes.dims);
   test.offset = is_usual ? offset : 0;
   test.terms = 0;
   if (!is_usual) return;
@@ -181,9 +190,7 @@ bool AddToBox(const float* normal, float offset, std::size_t dims,
     if (axis != dims) return false;
     axis = k;
   }
-  if (axis == dims || !std::isfinite(normal[axis]) || !std::isfinite(offset)) {
-    return false;
-  }
+  if (axis == dims || !IsUsual(normal, offset, dims)) return false;
   // Rounded outward. A side beyond 2^127 rejects nothing on its inner side, and
   // is moved to 2^127 on its outer side.
   const double side = -double{offset} / normal[axis];

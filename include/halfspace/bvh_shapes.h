@@ -35,8 +35,9 @@
 //
 // No object whose bound touches the exact shape is rejected, in any
 // floating-point mode. Objects closer than about 2^-18 of the sizes involved
-// can survive (docs/bvh.md), and the mode can change which of these do. All
-// targets return the same objects.
+// can survive (docs/bvh.md), of half-spaces 2^-21. The mode can change which of
+// these do, but not for half-spaces and oriented boxes. All targets return the
+// same objects.
 //
 // NaN and infinities: planes of objects as in reject.h. A point, sphere,
 // segment or capsule with a NaN in a point, with an infinity, or with
@@ -46,11 +47,10 @@
 // it is the box that is larger by the radius. If a minimum is above its
 // maximum, it can find objects that touch nothing. An oriented box with a NaN
 // or an infinity keeps every object. A NaN radius is an error. A half-space
-// with a NaN or an infinity keeps every object, and so does one whose normal
-// has a component that is not 0 and less than 2^-96 of another. An empty list
-// of half-spaces keeps every object. An Empty() object is found only by a query
-// that keeps every object: a list of half-spaces, or an oriented box with a NaN
-// or an infinity.
+// with a NaN, an infinity or a component above 2^126 keeps every object. An
+// empty list of half-spaces keeps every object. An Empty() object is found only
+// by a query that keeps every object: a list of half-spaces, or an oriented box
+// with a NaN or an infinity.
 //
 // Errors (error.h): those of bvh.h; a radius is negative or NaN; there are
 // more than 64 half-spaces; the pointer to them is null or misaligned.

@@ -18,8 +18,8 @@
 // A bound survives if its corner that is foremost along the normal of each
 // half-space is in front of it. For an AABO it is the corner of its box. These
 // are the objects that the queries of bvh_shapes.h find. bvh_shapes.h says what
-// is exact, and what half-spaces with a NaN, an infinity or a tiny component
-// do. An empty list of half-spaces keeps every object.
+// is exact, and what half-spaces with a NaN or an infinity do. An empty list of
+// half-spaces keeps every object.
 //
 // A large object can be behind no half-space and yet outside, near a corner of
 // the region. Add the sides of an axis-aligned box around the region, as
@@ -46,12 +46,12 @@
 //
 // Thread safety: as in reject.h, with 9 KiB more stack.
 //
-// Cost: three multiply-adds an object and half-space (a sphere: four), and a
-// compare an axis-aligned one. `./bench.sh --details culling` compares it with
-// loops by hand. What those lack costs up to a half: without a box around the
-// region, each plane is also read for its magnitude, from which follows which
-// sums are too near to 0 to decide. Objects near a NaN or an infinity are
-// tested twice. From a few thousand objects on, a BVH is faster.
+// Cost: three products and sums an object and half-space, and a compare an
+// axis-aligned one. Spheres take one product and sum more, and as many for each
+// half-space if the lengths of the normals differ by 2^-18. `./bench.sh
+// --details culling` compares it with loops by hand, which fuse products and
+// sums: not every target can, and all return the same objects. From a few
+// thousand objects on, a BVH is faster.
 //
 // Source: the support function of a box is common knowledge. Spheres: "The
 // Bounding Simplex: A SIMD-Era Rejection Primitive", section 2.1.

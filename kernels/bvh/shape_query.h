@@ -73,8 +73,8 @@ struct HalfSpaceTest {
 // Half-spaces, and a box that the bounds must touch as well: the axis-aligned
 // half-spaces of a list, which take a compare each.
 struct HalfSpaceTests {
-  std::size_t box_dims = 0;  // 0 without a box
-  std::size_t max_plane;     // the first maximum
+  std::size_t box_dims = 0;   // 0 without a box
+  std::size_t max_plane = 0;  // the first maximum, or 0 without
   float low[3];
   float high[3];
   std::size_t count;

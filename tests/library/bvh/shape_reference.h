@@ -128,6 +128,14 @@ struct MovingBox {
   float radius = 0;
 };
 
+// The least float that is not below value + error, if both are finite. The
+// error is less than half a step of doubles.
+inline float NextUp(double value, double error) {
+  const auto nearest = static_cast<float>(value);
+  const bool is_below = nearest < value || (nearest == value && error > 0);
+  return is_below ? std::nextafter(nearest, kInf) : nearest;
+}
+
 // Of a half-space of finite numbers.
 inline bool IsBehind(const Layout& layout, const Planes& planes,
                      const float* normal, float offset) {
@@ -149,26 +157,22 @@ inline bool IsBehind(const Layout& layout, const Planes& planes,
   for (std::size_t k = 0; k < layout.dims && !layout.has_max; ++k) {
     most = std::max(most, double{normal[k]});
   }
-  double factors[4] = {};
-  for (std::size_t k = 0; k < layout.dims; ++k) factors[k] = normal[k] - most;
-  if (!layout.has_max) factors[layout.dims] = -most;
-  double largest = 0;
-  for (const double f : factors) largest = std::max(largest, std::fabs(f));
-  // To at most 1/8.
-  const double scale =
-      largest > 0 ? std::ldexp(1.0, -4 - std::ilogb(largest)) : 1;
-  const double scaled = std::max(offset * scale, -0x1p126);
-  if (scaled >= 0x1p126) return false;
-  float sum = UpFrom(scaled + std::fabs(scaled) * 0x1p-19 + 0x1p-120);
+  float sum = offset;
   for (std::size_t k = 0; k < 4; ++k) {
-    const double factor = factors[k] * scale;
-    if (factor == 0) continue;
-    if (std::fabs(factor) < 0x1p-100) return false;
+    const double factor = (k < layout.dims ? normal[k] : 0) - most;
+    if (factor == 0 || (layout.has_max && k >= layout.dims)) continue;
     const float value =
         planes[layout.has_max && factor > 0 ? layout.first_max + k : k];
-    const float more = value * static_cast<float>(factor * (1 + 0x1p-19));
-    const float less = value * static_cast<float>(factor * (1 - 0x1p-19));
-    sum = sum + (more > less ? more : less);
+    // Those of minima are differences, and rounded both ways.
+    const float up =
+        layout.has_max ? static_cast<float>(factor) : UpFrom(factor);
+    const float down = layout.has_max ? up : -UpFrom(-factor);
+    const float more = NextUp(double{value} * up, 0);
+    const float less = NextUp(double{value} * down, 0);
+    const double term = more > less ? more : less;
+    const double exact = sum + term;
+    const double of_term = exact - sum;
+    sum = NextUp(exact, (sum - (exact - of_term)) + (term - of_term));
   }
   return sum < 0;
 }
@@ -234,8 +238,9 @@ class ShapeReference {
           // One that is unusable keeps every object, also those that are
           // Empty().
           const bool is_usable =
-              std::all_of(n + i, n + i + dims + 1,
-                          [](float x) { return std::isfinite(x); });
+              std::all_of(n + i, n + i + dims,
+                          [](float x) { return std::fabs(x) <= 0x1p126f; }) &&
+              std::isfinite(n[i + dims]);
           if (is_usable && IsBehind(layout_, planes, n + i, n[i + dims])) {
             return false;
           }

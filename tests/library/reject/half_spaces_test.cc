@@ -2,6 +2,7 @@
 // objects, keeps what the inequalities of shape_reference.h keep.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -104,6 +105,13 @@ void ExpectInside(const View& view, const Query& query, const Room& room) {
   }
 }
 
+// Because a component is great (bvh_shapes.h).
+template <int kDims>
+bool KeepsAll(const HalfSpace<kDims>& face) {
+  return std::any_of(face.normal.begin(), face.normal.end(),
+                     [](float x) { return std::abs(x) > 0x1p126f; });
+}
+
 // Of the corners nearest to each half-space.
 template <int kDims, typename NearestOf>
 long double RoomOfNearest(const List<kDims>& list, const NearestOf& nearest_of,
@@ -122,13 +130,7 @@ long double RoomOfNearest(const List<kDims>& list, const NearestOf& nearest_of,
       size += std::abs(term);
       squared += static_cast<long double>(face.normal[k]) * face.normal[k];
     }
-    for (const float component : face.normal) {
-      const long double square =
-          static_cast<long double>(component) * component;
-      if (component != 0 && square < squared * 0x1p-180L) {
-        return std::numeric_limits<long double>::quiet_NaN();
-      }
-    }
+    if (KeepsAll(face)) return std::numeric_limits<long double>::quiet_NaN();
     sum -= std::sqrt(squared) * radius;
     const long double room = sum / (size + std::sqrt(squared) * radius);
     if (std::isnan(room)) return room;
@@ -277,6 +279,16 @@ class SpheresTest {
     for (std::size_t more = random_.Below(8); more > 0; --more) {
       list.push_back(RandomHalfSpace<kDims>(random_));
     }
+    // Unit normals, as cameras have.
+    if (random_.Below(2) != 0) {
+      for (auto& face : list) {
+        double squared = 0;
+        for (const float x : face.normal) squared += double{x} * x;
+        for (float& x : face.normal) {
+          x = static_cast<float>(x / std::sqrt(squared));
+        }
+      }
+    }
     RoundedBox<kDims> box;
     for (std::size_t k = 0; k < kDims; ++k) {
       box.box.min[k] = random_.WithExponent(-2, 3);
@@ -362,12 +374,7 @@ class SpheresTest {
         ++components;
         axis = k;
       }
-      // Components of very unlike sizes keep everything (bvh_shapes.h).
-      for (const float component : face.normal) {
-        if (component != 0 && Square(component) < squared * 0x1p-180L) {
-          return std::numeric_limits<Exact>::quiet_NaN();
-        }
-      }
+      if (KeepsAll(face)) return std::numeric_limits<Exact>::quiet_NaN();
       const Exact length = std::sqrt(squared);
       if (components == 1) {
         apart[axis] = std::max(apart[axis], -sum / length);
