@@ -114,9 +114,15 @@ function resultOf(status, argument) {
   return u32[oneResult / 4];
 }
 
-// Of no elements, slice() takes five times as long.
-const idsAt = (address, count) =>
-  new Uint32Array(u32.subarray(address / 4, address / 4 + count));
+// slice() of no elements takes five times as long, and that of few a half more.
+function idsAt(address, count) {
+  const first = address / 4;
+  if (count === 0 || count > 16) return new Uint32Array(u32.subarray(first, first + count));
+  const ids = new Uint32Array(count);
+  for (let i = 0; i < count; ++i) ids[i] = u32[first + i];
+  return ids;
+}
+
 const floatsAt = (address, count) => f32.slice(address / 4, address / 4 + count);
 
 // Copies an array of viewOf() to the module, and returns its address.
@@ -203,8 +209,11 @@ function floatsOf(name, data, values) {
 // The numbers of one row. Not numbersOf(), which takes as long as the search for 8 boxes.
 function rowOf(name, row, count) {
   if (row?.length !== count) throw new HalfspaceError(name, `expected ${count} numbers`);
-  const numbers = [];
-  for (let i = 0; i < count; ++i) numbers.push(numberOf(name, i, row[i]));
+  // push() takes longer.
+  const numbers = count === 2 ? [row[0], row[1]] : count === 3 ? [row[0], row[1], row[2]]
+    : count === 4 ? [row[0], row[1], row[2], row[3]]
+      : [row[0], row[1], row[2], row[3], row[4], row[5]];
+  for (let i = 0; i < count; ++i) numberOf(name, i, numbers[i]);
   return numbers;
 }
 
@@ -364,12 +373,13 @@ export class BVH {
   }
 
   within(point, radius) {
-    const center = rowOf('point', point, this.#dimensions);
-    expect(Number(radius) >= 0, 'radius', 'a number that is not negative', radius);
+    const sphere = rowOf('point', point, this.#dimensions);
+    let enclosing = Number(radius);
+    expect(enclosing >= 0, 'radius', 'a number that is not negative', radius);
     // The sphere of floats encloses that of doubles.
-    const apart = Math.hypot(...center.map((value) => value - Math.fround(value) || 0));
-    const enclosing = (Number(radius) + 1.000001 * apart) * (1 + 2 ** -23);
-    return this.#found(write([...center, enclosing], 0), spheres);
+    for (const value of sphere) enclosing += 1.000001 * Math.abs(value - Math.fround(value)) || 0;
+    sphere.push(enclosing * (1 + 2 ** -23));
+    return this.#found(write(sphere, 0), spheres);
   }
 
   nearest(point, k = 1, maxDistance = Infinity, allTies = false) {
