@@ -1,9 +1,13 @@
-// Compares the package with flatbush and rbush, in one process and in turns:
+// Compares the package with flatbush, rbush, kdbush and three-mesh-bvh, in one process and in
+// turns:
 //   node bench.mjs [BOXES...]
-// in a folder where all three are installed. The numbers of results are compared.
-import { BVH } from 'halfspace';
+// in a folder where all five and three are installed. The numbers of results are compared.
+import { BVH, NO_ID, TriangleMesh } from 'halfspace';
 import Flatbush from 'flatbush';
+import KDBush from 'kdbush';
 import RBush from 'rbush';
+import { BufferAttribute, BufferGeometry, DoubleSide, Ray, TorusKnotGeometry, Vector3 } from 'three';
+import { MeshBVH } from 'three-mesh-bvh';
 
 const QUERIES = 20000;
 const REPETITIONS = 5;
@@ -22,18 +26,21 @@ const boxesOf = (count, side, next) => Float32Array.from(Array.from({ length: co
 // first.
 function compare(title, count, cases) {
   const times = cases.map(() => []);
-  const sums = new Set();
+  const sums = [];
   for (let r = 0; r < REPETITIONS; ++r) {
     for (const [i, [, run]] of cases.entries()) {
       const begin = performance.now();
-      sums.add(run());
+      sums.push(run());
       times[i].push((performance.now() - begin) * 1e6 / count);
     }
   }
-  if (sums.size > 1) throw new Error(`${title}: other results: ${[...sums]}`);
+  // within() also finds points that are farther by 4 millionths.
+  if (Math.max(...sums) > 1.00001 * Math.min(...sums)) {
+    throw new Error(`${title}: other results: ${sums}`);
+  }
   for (const [i, [name]] of cases.entries()) {
     const [least, , middle, , most] = times[i].sort((a, b) => a - b);
-    console.log(title.padEnd(22), name.padEnd(20), middle.toFixed(0).padStart(8), 'ns',
+    console.log(title.padEnd(26), name.padEnd(20), middle.toFixed(0).padStart(8), 'ns',
       `[${least.toFixed(0)}, ${most.toFixed(0)}]`, (middle / times[0][2]).toFixed(2));
   }
 }
@@ -51,7 +58,6 @@ for (const n of process.argv.length > 2 ? process.argv.slice(2).map(Number) : [1
   const next = random(n);
   const side = 1 / Math.sqrt(n);
   const boxes = boxesOf(n, side, next);
-  const queries = boxesOf(QUERIES, 4 * side, next);
   const points = Float32Array.from({ length: 2 * QUERIES }, next);
   const items = [];
   each(boxes, 4, (minX, minY, maxX, maxY) => items.push({ minX, minY, maxX, maxY }))();
@@ -66,16 +72,78 @@ for (const n of process.argv.length > 2 ? process.argv.slice(2).map(Number) : [1
     }],
     ['rbush', () => { bush = new RBush().load(items); }],
   ]);
-  compare(`${n}: box query`, QUERIES, [
-    ['halfspace', each(queries, 4, (a, b, c, d) => tree.query([a, b, c, d]).length)],
-    ['halfspace, many', () => tree.queryMany(queries).ids.length],
-    ['flatbush', each(queries, 4, (a, b, c, d) => flat.search(a, b, c, d).length)],
-    ['rbush', each(queries, 4, (minX, minY, maxX, maxY) =>
-      bush.search({ minX, minY, maxX, maxY }).length)],
-  ]);
+  for (const [results, width, far] of [['no result', 4, 2], ['8 results', 4, 0], ['130 results', 20, 0]]) {
+    const queries = boxesOf(QUERIES, width * side, () => far + next());
+    compare(`${n}: ${results}`, QUERIES, [
+      ['halfspace', each(queries, 4, (a, b, c, d) => tree.query([a, b, c, d]).length)],
+      ['halfspace, many', () => tree.queryMany(queries).ids.length],
+      ['flatbush', each(queries, 4, (a, b, c, d) => flat.search(a, b, c, d).length)],
+      ['rbush', each(queries, 4, (minX, minY, maxX, maxY) =>
+        bush.search({ minX, minY, maxX, maxY }).length)],
+    ]);
+  }
   compare(`${n}: 8 nearest`, QUERIES, [
     ['halfspace', each(points, 2, (x, y) => tree.nearest([x, y], 8).length)],
     ['halfspace, many', () => tree.nearestMany(points, 8).ids.length],
     ['flatbush', each(points, 2, (x, y) => flat.neighbors(x, y, 8).length)],
   ]);
+
+  // Points are boxes without extents.
+  const places = Float32Array.from({ length: 2 * n }, next);
+  const rows = new Float32Array(4 * n).map((_, i) => places[2 * (i >> 2) + (i & 1)]);
+  let kd;
+  compare(`${n} points: build`, n, [
+    ['halfspace', () => { tree.dispose(); tree = new BVH(rows); }],
+    ['kdbush', () => {
+      kd = new KDBush(n, 64, Float32Array);
+      each(places, 2, (x, y) => kd.add(x, y))();
+      kd.finish();
+    }],
+  ]);
+  compare(`${n} points: within`, QUERIES, [
+    ['halfspace', each(points, 2, (x, y) => tree.within([x, y], 1.6 * side).length)],
+    ['kdbush', each(points, 2, (x, y) => kd.within(x, y, 1.6 * side).length)],
+  ]);
+  tree.dispose();
 }
+
+const knot = new TorusKnotGeometry(1, 0.3, 500, 100);
+const [vertices, faces] = [knot.attributes.position.array, knot.index.array];
+const next = random(1);
+const around = () => 4 * next() - 2;
+const points = Float32Array.from({ length: 3 * QUERIES }, around);
+const rays = new Float32Array(7 * QUERIES).map((_, i) => (i % 7 < 6 ? around() : Infinity));
+// Unit vectors, as three-mesh-bvh expects.
+for (let i = 3; i < rays.length; i += 7) {
+  new Vector3().fromArray(rays, i).normalize().toArray(rays, i);
+}
+let mesh, bvh;
+compare('100000 triangles: build', faces.length / 3, [
+  ['halfspace', () => { mesh?.dispose(); mesh = new TriangleMesh(vertices, faces); }],
+  ['three-mesh-bvh', () => {
+    const copy = new BufferGeometry().setIndex(new BufferAttribute(faces.slice(), 1));
+    bvh = new MeshBVH(copy.setAttribute('position', new BufferAttribute(vertices, 3)));
+  }],
+]);
+const [ray, point] = [new Ray(), new Vector3()];
+const eachOf = (array, values, run) => () => {
+  let sum = 0;
+  for (let i = 0; i < array.length; i += values) sum += run(i);
+  return sum;
+};
+compare('100000 triangles: ray', QUERIES, [
+  ['halfspace, many', () => mesh.raycastMany(rays).ids.filter((id) => id !== NO_ID).length],
+  ['halfspace', eachOf(rays, 7, (i) =>
+    Number(mesh.raycastMany(rays.subarray(i, i + 7)).ids[0] !== NO_ID))],
+  ['three-mesh-bvh', eachOf(rays, 7, (i) => {
+    ray.origin.fromArray(rays, i);
+    ray.direction.fromArray(rays, i + 3);
+    return Number(bvh.raycastFirst(ray, DoubleSide) !== null);
+  })],
+]);
+compare('100000 triangles: closest', QUERIES, [
+  ['halfspace, many', () => mesh.closestPoints(points).distances.reduce((a, b) => a + b, 0)],
+  ['halfspace', eachOf(points, 3, (i) => mesh.closestPoints(points.subarray(i, i + 3)).distances[0])],
+  ['three-mesh-bvh', eachOf(points, 3, (i) =>
+    bvh.closestPointToPoint(point.fromArray(points, i)).distance)],
+]);

@@ -114,10 +114,20 @@ function resultOf(status, argument) {
   return u32[oneResult / 4];
 }
 
-const idsAt = (address, count) => u32.slice(address / 4, address / 4 + count);
+// slice() of no elements takes ten times as long, and that of few a half more.
+const none = new Uint32Array(0);
+function idsAt(address, count) {
+  const first = address / 4;
+  if (count === 0) return new Uint32Array(none);
+  if (count > 16) return u32.slice(first, first + count);
+  const ids = new Uint32Array(count);
+  for (let i = 0; i < count; ++i) ids[i] = u32[first + i];
+  return ids;
+}
+
 const floatsAt = (address, count) => f32.slice(address / 4, address / 4 + count);
 
-// Copies an array to the module, and returns its address.
+// Copies an array of viewOf() to the module, and returns its address.
 function copyIn(allocate, array) {
   const address = allocate(array.byteLength);
   new array.constructor(memory.buffer, address, array.length).set(array);
@@ -145,10 +155,34 @@ function answers(array, values, [most, ...numbers], call) {
 
 // Arguments ---------------------------------------------------------------------------
 
-function arrayOf(name, data, what) {
-  const isArray = data !== null && typeof data === 'object' && typeof data.length === 'number';
-  expect(isArray, name, `an array of ${what}`, data);
-  return data;
+const typedArray = Object.getPrototypeOf(Uint8Array.prototype);
+const tagOf = Object.getOwnPropertyDescriptor(typedArray, Symbol.toStringTag).get;
+
+// Returns what run() makes of the memory of an argument.
+function withBuffer(name, run) {
+  try {
+    return run();
+  } catch {
+    throw new HalfspaceError(name, 'the ArrayBuffer is detached, or shorter than the array');
+  }
+}
+
+// The memory of a typed array as a View, or null if it is another array. Its own class can be
+// one of another realm, or have another constructor.
+const viewOf = (View, name, data) => (tagOf.call(data) !== View.name ? null
+  : withBuffer(name, () => {
+    typedArray.keys.call(data);
+    return new View(data.buffer, data.byteOffset, data.length);
+  }));
+
+// The values of any array as a View, each checked by valueOf(name, i, value). from() takes
+// seven times as long.
+function copyOf(View, name, data, what, valueOf) {
+  const length = typeof data === 'object' ? data?.length : undefined;
+  expect(typeof length === 'number' && length >= 0, name, `an array of ${what}`, data);
+  const array = new View(length);
+  for (let i = 0; i < array.length; ++i) array[i] = valueOf(name, i, data[i]);
+  return array;
 }
 
 const numberOf = (name, i, value) => (typeof value === 'number' && value === value ? value
@@ -156,15 +190,8 @@ const numberOf = (name, i, value) => (typeof value === 'number' && value === val
 
 // Rows of `values` numbers, of a Float32Array, a Float64Array or what can become one.
 function rowsOf(name, data, values) {
-  const array = data instanceof Float32Array || data instanceof Float64Array ? data
-    : Float64Array.from(arrayOf(name, data, 'numbers'), (value, i) => numberOf(name, i, value));
-  if (array.length === 0) {
-    try {
-      new Uint8Array(array.buffer);
-    } catch {
-      throw new HalfspaceError(name, 'the ArrayBuffer is detached: it was transferred');
-    }
-  }
+  const array = viewOf(Float32Array, name, data) ?? viewOf(Float64Array, name, data)
+    ?? copyOf(Float64Array, name, data, 'numbers', numberOf);
   expect(array.length % values === 0, name, `${values} numbers for each`, array.length);
   return array;
 }
@@ -184,8 +211,11 @@ function floatsOf(name, data, values) {
 // The numbers of one row. Not numbersOf(), which takes as long as the search for 8 boxes.
 function rowOf(name, row, count) {
   if (row?.length !== count) throw new HalfspaceError(name, `expected ${count} numbers`);
-  const numbers = [];
-  for (let i = 0; i < count; ++i) numbers.push(numberOf(name, i, row[i]));
+  // push() takes longer.
+  const numbers = count === 2 ? [row[0], row[1]] : count === 3 ? [row[0], row[1], row[2]]
+    : count === 4 ? [row[0], row[1], row[2], row[3]]
+      : [row[0], row[1], row[2], row[3], row[4], row[5]];
+  for (let i = 0; i < count; ++i) numberOf(name, i, numbers[i]);
   return numbers;
 }
 
@@ -205,7 +235,7 @@ const boxesOf = (data, dimensions) =>
   checkBoxes('boxes', rowsOf('boxes', data, 2 * dimensions), dimensions);
 
 const idsOf = (ids, name = 'ids', what = 'the id of an object') =>
-  Uint32Array.from(arrayOf(name, ids, name), (id, i) =>
+  viewOf(Uint32Array, name, ids) ?? copyOf(Uint32Array, name, ids, name, (_, i, id) =>
     (typeof id === 'number' && id >>> 0 === id ? id
       : expect(false, `${name}[${i}]`, what, id)));
 
@@ -235,8 +265,10 @@ export class BVH {
   }
 
   static fromBytes(bytes) {
-    const from = bytes instanceof ArrayBuffer ? new Uint8Array(bytes) : bytes;
-    expect(from instanceof Uint8Array, 'bytes', 'a Uint8Array or an ArrayBuffer', bytes);
+    const isBuffer = Object.prototype.toString.call(bytes) === '[object ArrayBuffer]';
+    const from = isBuffer ? withBuffer('bytes', () => new Uint8Array(bytes))
+      : viewOf(Uint8Array, 'bytes', bytes);
+    expect(from, 'bytes', 'a Uint8Array or an ArrayBuffer', bytes);
     return withMemory((allocate) => {
       const address = copyIn(allocate, from);
       // HS_BOX2 is 1, and HS_BOX3 is 2.
@@ -274,22 +306,26 @@ export class BVH {
   }
 
   // Returns the ids that the queries find. The options name their shape.
-  #found(rows, options, offsets) {
+  #found(rows, options, offsets = 0, queries = 0) {
     const bvh = this.#open();
     let total;
     do {
       total = resultOf(wasm.hs_bvh_query(bvh, rows, options, results, room, offsets, oneResult));
+      for (let i = offsets / 4; i < offsets / 4 + queries; ++i) {
+        // The sums of 32 bits are too small.
+        if (u32[i] > u32[i + 1]) throw new HalfspaceError('', 'out of memory: too many results');
+      }
     } while (makeRoom(total));
     return idsAt(results, total);
   }
 
-  // The pairs that call() writes.
-  #pairs(call, others, margin) {
-    const options = wasm.pair_options(Number(margin));
-    const trees = [this, ...others].map((tree) => tree.#open());
+  // The pairs of this BVH, or those with another.
+  #pairs(other, margin) {
+    const apart = Number(margin);
+    const trees = [this.#open(), other?.#open() ?? 0];
     let total;
     do {
-      total = 2 * resultOf(call(...trees, options, results, room >>> 1, oneResult));
+      total = 2 * resultOf(wasm.find_pairs(...trees, apart, results, room >>> 1, oneResult));
     } while (makeRoom(total));
     return idsAt(results, total);
   }
@@ -312,30 +348,40 @@ export class BVH {
   toBytes() {
     check(wasm.hs_bvh_blob(this.#open(), oneResult, oneResult + 4));
     const [address, size] = idsAt(oneResult, 2);
-    return u8.slice(address, address + size);
+    return size > 0 ? u8.slice(address, address + size) : this.#emptyBytes();
+  }
+
+  // A BVH that never had a box has no bytes, which would not have its dimensions.
+  #emptyBytes() {
+    const tree = new BVH(new Float32Array(2 * this.#dimensions), { dimensions: this.#dimensions });
+    tree.erase([0]);
+    const bytes = tree.toBytes();
+    tree.dispose();
+    return bytes;
   }
 
   query(box) {
     const dimensions = this.#dimensions;
     return this.#found(
-      write(checkBoxes('box', rowOf('box', box, 2 * dimensions), dimensions)), 0, 0);
+      write(checkBoxes('box', rowOf('box', box, 2 * dimensions), dimensions)), 0);
   }
 
   queryMany(boxes) {
     return this.#withBoxes(boxes, (rows, count, allocate) => {
       const offsets = allocate(4 * (count + 1));
-      const ids = this.#found(rows, 0, offsets);
+      const ids = this.#found(rows, 0, offsets, count);
       return { ids, offsets: idsAt(offsets, count + 1) };
     });
   }
 
   within(point, radius) {
-    const center = rowOf('point', point, this.#dimensions);
-    expect(Number(radius) >= 0, 'radius', 'a number that is not negative', radius);
+    const sphere = rowOf('point', point, this.#dimensions);
+    let enclosing = Number(radius);
+    expect(enclosing >= 0, 'radius', 'a number that is not negative', radius);
     // The sphere of floats encloses that of doubles.
-    const apart = Math.hypot(...center.map((value) => value - Math.fround(value) || 0));
-    const enclosing = (Number(radius) + 1.000001 * apart) * (1 + 2 ** -23);
-    return this.#found(write([...center, enclosing], 0), spheres, 0);
+    for (const value of sphere) enclosing += 1.000001 * Math.abs(value - Math.fround(value)) || 0;
+    sphere.push(enclosing * (1 + 2 ** -23));
+    return this.#found(write(sphere, 0), spheres);
   }
 
   nearest(point, k = 1, maxDistance = Infinity, allTies = false) {
@@ -383,13 +429,13 @@ export class BVH {
     return { ids, ts };
   }
 
-  pairs(margin = 0) { return this.#pairs(wasm.hs_bvh_pairs, [], margin); }
+  pairs(margin = 0) { return this.#pairs(null, margin); }
 
   join(other, margin = 0) {
     expect(other instanceof BVH, 'other', 'a BVH', other);
     expect(other.#dimensions === this.#dimensions, 'other',
       `a BVH of ${this.#dimensions} dimensions`, other.#dimensions);
-    return this.#pairs(wasm.hs_bvh_join, [other], margin);
+    return this.#pairs(other, margin);
   }
 
   insert(boxes) {

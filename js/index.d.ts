@@ -65,7 +65,8 @@ export class BVH {
   within(point: ArrayLike<number>, radius: number): Ids;
 
   /** The ids of the k boxes nearest to a point, nearest first. A box that contains the
-   * point has the distance 0. With `allTies`, also the boxes as far as the last of the k. */
+   * point has the distance 0. With `allTies`, also the boxes as far as the last of the k.
+   * A box that is 2 ** 64 or farther away is not found. */
   nearest(point: ArrayLike<number>, k?: number, maxDistance?: number, allTies?: boolean):
     Ids;
   /** The same for many points. Row i is ids[i * k] to ids[i * k + k - 1], where k is that of

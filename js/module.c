@@ -3,6 +3,7 @@
 // functions of the C API by their names.
 #include <emscripten.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "halfspace/c/halfspace.h"
 
@@ -26,11 +27,36 @@ EMSCRIPTEN_KEEPALIVE const hs_bvh_config* config(int dims, int is_fast,
   return &config;
 }
 
-EMSCRIPTEN_KEEPALIVE const hs_pair_options* pair_options(float margin) {
-  static hs_pair_options options;
+// Where find_pairs() writes. size_t cannot count the pairs of all BVHs, so the
+// search ends when there are more than memory has bytes for.
+static hs_id_pair* found;
+static size_t room, total;
+
+static hs_visit add_pairs(void* context, const hs_id_pair* pairs,
+                          size_t count) {
+  (void)context;
+  total += count;
+  if (total <= room)
+    memcpy(found + total - count, pairs, count * sizeof *pairs);
+  return total <= SIZE_MAX / sizeof *pairs ? HS_CONTINUE : HS_STOP;
+}
+
+// The pairs of a BVH or, if b is not null, those of two. If there are more than
+// `size`, some are not written.
+EMSCRIPTEN_KEEPALIVE hs_status find_pairs(const hs_bvh* a, const hs_bvh* b,
+                                          float margin, hs_id_pair* pairs,
+                                          size_t size, size_t* count) {
+  hs_pair_options options;
   hs_pair_options_default(&options, sizeof options);
   options.margin = margin;
-  return &options;
+  found = pairs;
+  room = size;
+  total = 0;
+  const hs_status status =
+      b == NULL ? hs_bvh_pairs_each(a, &options, add_pairs, NULL)
+                : hs_bvh_join_each(a, b, &options, add_pairs, NULL);
+  *count = total;
+  return status;
 }
 
 EMSCRIPTEN_KEEPALIVE const hs_query_options* sphere_options(void) {

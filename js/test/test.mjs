@@ -5,6 +5,7 @@ import { existsSync, readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { test } from 'node:test';
 import { inspect } from 'node:util';
+import vm from 'node:vm';
 import * as halfspace from 'halfspace';
 import { hasChromium, postedBy } from './chromium.mjs';
 
@@ -124,6 +125,43 @@ for (const dimensions of [2, 3]) {
     }
   });
 }
+
+test('arrays of other classes and realms', () => {
+  class Points extends Float32Array {
+    constructor(count) { super(2 * count); }
+  }
+  const boxes = new Points(2);
+  boxes.set([0, 0, 1, 1]);
+  const other = (code) => vm.runInNewContext(code, { bytes: new BVH(boxes).toBytes() });
+  for (const rows of [boxes, other('new Float32Array([0, 0, 1, 1])'),
+    other('[0, 0, 1, 1]'), { length: 4, 0: 0, 1: 0, 2: 1, 3: 1 }]) {
+    assert.deepEqual([...new BVH(rows).query([1, 1, 2, 2])], [0]);
+  }
+  for (const bytes of [other('Uint8Array.from(bytes)'), other('Uint8Array.from(bytes).buffer')]) {
+    assert.deepEqual([...BVH.fromBytes(bytes).query([1, 1, 2, 2])], [0]);
+  }
+  const tree = new BVH(boxes);
+  tree.erase(other('Uint32Array.of(0)'));
+  assert.equal(tree.size, 0);
+  for (const faces of [Uint16Array.of(0, 1, 2), other('Uint32Array.of(0, 1, 2)')]) {
+    assert.equal(new TriangleMesh([0, 0, 0, 1, 0, 0, 0, 1, 0], faces).size, 1);
+  }
+});
+
+test('the bytes of no boxes', () => {
+  for (const dimensions of [2, 3]) {
+    const tree = BVH.fromBytes(new BVH([], { dimensions }).toBytes());
+    assert.deepEqual([tree.size, tree.dimensions], [0, dimensions]);
+    assert.deepEqual([...tree.insert(new Float32Array(2 * dimensions))], [0]);
+  }
+});
+
+test('more results than 2 ** 32', () => {
+  const tree = new BVH(new Float32Array(4 * 65536));
+  assert.throws(() => tree.queryMany(new Float32Array(4 * 65537)), /out of memory/);
+  assert.throws(() => tree.join(new BVH(new Float32Array(4 * 65537))), /out of memory/);
+  assert.equal(tree.query([0, 0, 0, 0]).length, 65536);
+});
 
 test('a point whose numbers come from a call of the module', () => {
   const tree = new BVH([0, 0, 1, 1, 5, 5, 6, 6]);
@@ -270,6 +308,13 @@ gone.dispose();
 gone.dispose();
 const detached = new Float32Array(8);
 structuredClone(detached.buffer, { transfer: [detached.buffer] });
+const detachedIds = new Uint32Array(1);
+structuredClone(detachedIds.buffer, { transfer: [detachedIds.buffer] });
+const transferred = flat.toBytes();
+structuredClone(transferred.buffer, { transfer: [transferred.buffer] });
+const outside = new Float32Array(new ArrayBuffer(32, { maxByteLength: 32 }), 16, 4);
+const canResize = 'resize' in outside.buffer;
+if (canResize) outside.buffer.resize(8);
 const altered = flat.toBytes();
 altered[altered.length - 1] ^= 1;
 for (const [argument, call] of [
@@ -277,6 +322,8 @@ for (const [argument, call] of [
   ['boxes', () => new BVH('0011')],
   ['boxes', () => new BVH([1, 2, 3])],
   ['boxes', () => new BVH(detached)],
+  ['boxes', () => new BVH(canResize ? outside : detached)],
+  ['boxes', () => new BVH({ length: -4 })],
   ['boxes[1]', () => new BVH([0, '0', 1, 1])],
   ['boxes[0]', () => new BVH(Float32Array.of(NaN, 0, 1, 1))],
   ['boxes[5]', () => new BVH([0, 0, 1, 1, 0, 2, 1, 1])],
@@ -312,7 +359,10 @@ for (const [argument, call] of [
   ['ids[0]', () => flat.erase([1])],
   ['ids[0]', () => flat.erase([0.5])],
   ['ids', () => flat.set([0, 0], [0, 0, 1, 1])],
+  ['ids', () => flat.erase(detachedIds)],
   ['bytes', () => BVH.fromBytes([1])],
+  ['bytes', () => BVH.fromBytes(transferred)],
+  ['bytes', () => BVH.fromBytes(new Uint8Array(0))],
   ['bytes', () => BVH.fromBytes(altered)],
   ['bytes', () => BVH.fromBytes(readFileSync(`${data}/octahedra.5.bvh`))],
   ['', () => gone.query([0, 0, 1, 1])],

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 matplotlib = pytest.importorskip("matplotlib", reason="needs python3-matplotlib")
+pytest.importorskip("geopandas", reason="needs python3-geopandas")
 pytest.importorskip("shapely", reason="needs python3-shapely")
 matplotlib.use("Agg")
 
