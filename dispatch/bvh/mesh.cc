@@ -12,11 +12,13 @@
 #include <vector>
 
 #include "dispatch/bvh/scratch.h"
+#include "dispatch/bvh/shape_query.h"
 #include "dispatch/bvh/triangles.h"
 #include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/errors/number_checks.h"
+#include "dispatch/outward.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/detail/plane_arrays.h"
 #include "kernels/bvh/mesh.h"
@@ -82,9 +84,9 @@ struct Bounds {
     for (std::size_t k = 0; k < kDims; ++k) {
       const auto center = static_cast<float>(Center(k));
       cube.center[k] = center;
-      cube.half =
-          std::max({cube.half, detail::RoundedUp(double{max[k]} - center),
-                    detail::RoundedUp(double{center} - min[k])});
+      cube.half = std::max({cube.half,
+                            dispatch::RoundUpLoosely(double{max[k]} - center),
+                            dispatch::RoundUpLoosely(double{center} - min[k])});
     }
     return cube;
   }

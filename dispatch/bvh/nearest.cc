@@ -10,6 +10,7 @@
 #include <string>
 
 #include "dispatch/bvh/ball.h"
+#include "dispatch/bvh/shape_query.h"
 #include "dispatch/bvh/tree.h"
 #include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
