@@ -33,9 +33,6 @@ inline constexpr std::size_t kGroupSlots = 16 * kBlockObjects;
 // 2, because the bits of two smaller tasks could share a word.
 inline constexpr std::size_t kTaskSlots = kBlockObjects * kBlockObjects;
 
-// If a tree has room for more slots than this, its leaves have codes.
-inline constexpr std::size_t kMostWithoutCodes = 4096;
-
 using dispatch::kMostObjects;
 
 // The capacity of a tree.
