@@ -402,7 +402,7 @@ struct FirstAnswer {
   MeshHit hit = {kNoId, kInf};
 
   float Take(const MeshGroup& group, std::size_t lane) {
-    const float t = dispatch::HitOf(ray, TriangleAt(group, lane));
+    const float t = detail::HitOf(ray, TriangleAt(group, lane));
     if (t < hit.t || (t == hit.t && t < kInf && group.id[lane] < hit.id)) {
       hit = {group.id[lane], t};
       ray.max_t = t;
@@ -416,7 +416,7 @@ struct AnyAnswer {
   bool is_hit = false;
 
   float Take(const MeshGroup& group, std::size_t lane) {
-    is_hit = dispatch::HitOf(ray, TriangleAt(group, lane)) < kInf;
+    is_hit = detail::HitOf(ray, TriangleAt(group, lane)) < kInf;
     return is_hit ? -1.0f : kInf;
   }
 };
@@ -428,7 +428,7 @@ struct EachAnswer {
   dispatch::DefaultFpMode& mode;
 
   float Take(const MeshGroup& group, std::size_t lane) {
-    const float t = dispatch::HitOf(ray, TriangleAt(group, lane));
+    const float t = detail::HitOf(ray, TriangleAt(group, lane));
     if (!(t < kInf)) return kInf;
     const float limit =
         mode.Outside([&] { return function(context, group.id[lane], t); });
@@ -444,7 +444,7 @@ struct ClosestAnswer {
 
   float Take(const MeshGroup& group, std::size_t lane) {
     const TrianglePoint found =
-        dispatch::ClosestOf(point, TriangleAt(group, lane));
+        detail::ClosestOf(point, TriangleAt(group, lane));
     const std::uint32_t id = group.id[lane];
     if (found.distance <= max_distance &&
         (found.distance < closest.distance ||
