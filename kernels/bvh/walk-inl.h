@@ -87,7 +87,7 @@ class PlaneQueries {
     return kept & InsideBits<kAxes>(level, block, At(query));
   }
 
-  // The same of objects by their codes.
+  // Encodes a query, to test objects by their codes.
   HWY_INLINE void Encode(size_t query, const detail::CodeMap& map,
                          QueryCodes& codes) const {
     EncodeQuery<kAxes, kHasMax>(map, At(query), codes);
@@ -168,10 +168,11 @@ class Walker {
     return first_query_ + (place >> detail::kQueryShift);
   }
 
-  // From the root to the leaves that the query may touch.
+  // Walks from the root to the leaves that the query may touch, and lists them.
+  // Returns false if the output wants no more.
   HWY_INLINE bool WalkNodes(size_t query) {
-    struct Children {  // that are still to visit
-      uint64_t kept;
+    struct Children {
+      uint64_t kept;  // still to visit
       uint64_t inside;
       size_t first;
     };
