@@ -47,7 +47,8 @@ class Name {
   std::array<char, 96> text_;
 };
 
-// The function that runs.
+// The name of the function that was called, and its errors: a message that
+// begins with the name, and a Failure, of which Run() makes the status.
 class Call {
  public:
   explicit constexpr Call(const char* name) : name_(name) {}
@@ -73,7 +74,8 @@ class Call {
       }
     }
   }
-  // The same for an array, which may be null if it has no elements.
+  // Fails if the array is null or misaligned, or too large for the address
+  // space. Without elements it may be null.
   template <typename T>
   void CheckArray(const char* argument, const T* array,
                   std::size_t count) const {

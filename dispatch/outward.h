@@ -60,6 +60,12 @@ inline float RoundUp(double value, double rest = 0.0) {
   return -RoundDown(-value, -rest);
 }
 
+// A float that is not below the value, and at most two ulps above it. Takes
+// less time than RoundUp().
+inline float RoundUpLoosely(double value) {
+  return static_cast<float>(value + std::fabs(value) * 0x1p-23 + 0x1p-149);
+}
+
 // A sum of at most some hundred terms, all below 2^1000. The exact sum is at
 // most 2 * error() away from value(). If doubles held all sums and products,
 // error() is 0.

@@ -104,7 +104,8 @@ Report RunSections(const BenchOptions& options, std::optional<Workload> input,
       }
       run.clock.Sample();
       try {
-        // Spread over the run.
+        // The groups are measured before each section, so that they are spread
+        // over the run.
         if (needs_verdict && pass == 0) {
           const std::size_t groups =
               std::max<std::size_t>(1, run.VerdictGroups() / first_sections);

@@ -103,8 +103,7 @@ constexpr std::span<const NamedSchedule> SchedulesOf(ShapeKind shape) {
   return std::span(kSchedules).first(kCounts[static_cast<std::size_t>(shape)]);
 }
 
-// The same queries for all three shapes, as the calls for many queries take
-// them.
+// Queries as each of the three shapes, in arrays for calls with many queries.
 class ShapeQueries {
  public:
   explicit ShapeQueries(std::span<const Aabo3> queries)

@@ -68,8 +68,8 @@ class BodySpace : public Competitor {
     });
     for (std::uint32_t id : ids) moved_[id] = 0;
   }
-  // The same by a query for each of `ids`: each(a, function) calls function(b)
-  // for the bodies near a.
+  // Appends the pairs with one of `ids`. each(a, function) queries with body a,
+  // and calls function(b) for the bodies near it.
   template <typename Each>
   void PairsByQueries(Ids ids, std::vector<IndexPair>& found, Each each) {
     for (std::uint32_t id : ids) moved_[id] = 1;

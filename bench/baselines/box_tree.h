@@ -139,7 +139,8 @@ inline bool AreNearest(std::span<const Aabb3> boxes, const Point<3>& point,
   return most <= (1 + 1e-5) * *last;
 }
 
-// Of triangles, as floats compute it: a ray that hits an edge may pass.
+// A tree of triangles. It tests them in floats, so a ray that hits an edge may
+// pass.
 class TriangleTree : public Competitor {
  public:
   using Input = std::span<const Triangle3>;

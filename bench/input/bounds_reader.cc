@@ -76,15 +76,15 @@ void CheckLength(const TextLines& lines, std::string_view line) {
 std::vector<Aabb3> ReadBounds(const std::string& path) {
   TextLines lines(path, ReadText(path));
   std::vector<Aabb3> boxes;
-  bool header_allowed = true;
+  bool is_first_row = true;
   while (const std::optional<std::string_view> line = lines.Next()) {
     CheckLength(lines, *line);
     const std::string_view row = Trimmed(*line);
     if (row.empty() || row.starts_with('#')) continue;
-    if (!header_allowed || row != kHeader) {
+    if (!is_first_row || row != kHeader) {
       boxes.push_back(ParseRow(lines, row));
     }
-    header_allowed = false;
+    is_first_row = false;
   }
   if (boxes.empty()) {
     lines.Fail("the file ends without a box",

@@ -1,9 +1,8 @@
 // Reads axis-aligned boxes from a comma-separated file.
 //
-// One box a row: minx,miny,minz,maxx,maxy,maxz. Blanks around numbers, empty
-// lines and lines that start with # are allowed, and those six names as the
-// first row. Nothing else is: what cannot be understood is an error, never a
-// guess.
+// Each row is a box: minx,miny,minz,maxx,maxy,maxz. Blanks around numbers,
+// empty lines and lines that start with # are allowed. The first row may be the
+// six names. Anything else is an error.
 #ifndef HALFSPACE_BENCH_INPUT_BOUNDS_READER_H_
 #define HALFSPACE_BENCH_INPUT_BOUNDS_READER_H_
 
@@ -14,8 +13,8 @@
 
 namespace halfspace::bench {
 
-// The boxes of the file, in order; at least one, all finite, none inverted.
-// Throws InputError.
+// Returns the boxes of the file, in order. There is at least one, and all are
+// finite with min <= max. Throws InputError.
 std::vector<Aabb3> ReadBounds(const std::string& path);
 
 }  // namespace halfspace::bench

@@ -68,7 +68,7 @@ std::string FirstLineOf(const char* path) {
   return line.substr(0, line.find('\n'));
 }
 
-// arm64 kernels give numbers of cores, and the board's name.
+// On arm64, Linux has numbers of the core and the name of the board.
 std::string CpuName() {
   std::string name = CpuInfo("model name");
   if (name.empty() && !CpuInfo("CPU part").empty()) {
@@ -83,13 +83,13 @@ std::string CpuName() {
   return name + " (" + board + ")";
 }
 
-// x86 has a flag for this; elsewhere the firmware tells.
+// x86 has a flag for this. On ARM the firmware names the vendor.
 bool IsArmGuest() {
-  const std::string product = FirstLineOf("/sys/class/dmi/id/sys_vendor");
+  const std::string vendor = FirstLineOf("/sys/class/dmi/id/sys_vendor");
   return !FirstLineOf("/sys/hypervisor/type").empty() ||
-         product.find("QEMU") != std::string::npos ||
-         product.find("Amazon EC2") != std::string::npos ||
-         product.find("Google") != std::string::npos;
+         vendor.find("QEMU") != std::string::npos ||
+         vendor.find("Amazon EC2") != std::string::npos ||
+         vendor.find("Google") != std::string::npos;
 }
 
 bool HasWord(const std::string& text, const std::string& word) {
@@ -101,7 +101,7 @@ bool HasWord(const std::string& text, const std::string& word) {
   return false;
 }
 
-// The kernel lists only what it has enabled for programs (XCR0 included).
+// Linux lists only the extensions that programs may use (XCR0 included).
 std::vector<std::string> IsaOf(const std::string& flags) {
   constexpr std::array kInteresting = {
       "sse2",     "ssse3",    "sse4_1",       "sse4_2",      "avx",
@@ -194,8 +194,8 @@ Machine DescribeMachine() {
   machine.isa = IsaOf(flags);
   machine.is_virtual = HasWord(flags, "hypervisor") || IsArmGuest();
 #if defined(__aarch64__) && defined(__linux__)
-  // arm64 kernels do not write this key: the program runs under an emulator
-  // that passes the host's file through.
+  // Linux on arm64 does not write this key. So the program runs under an
+  // emulator, and reads the file of the host.
   machine.is_emulated = !CpuInfo("vendor_id").empty();
 #endif
   machine.cores = static_cast<int>(std::thread::hardware_concurrency());

@@ -1,4 +1,4 @@
-// What machine this is, as far as it matters to a measurement.
+// The machine that a measurement ran on.
 #ifndef HALFSPACE_BENCH_MEASURE_MACHINE_H_
 #define HALFSPACE_BENCH_MEASURE_MACHINE_H_
 
@@ -16,7 +16,7 @@ struct Cache {
 
 struct Machine {
   std::string cpu;
-  // x86: that tell CPUs of the same name apart. Empty where they are unknown.
+  // On x86, these tell CPUs of the same name apart. Empty if unknown.
   std::string vendor;
   std::string family;
   std::string model;

@@ -5,7 +5,6 @@ HWY_BEFORE_NAMESPACE();
 namespace halfspace {
 namespace HWY_NAMESPACE {
 
-// What a scan reads and writes.
 struct Scan {
   const float* const* planes;
   const float* query;
@@ -13,8 +12,9 @@ struct Scan {
   uint64_t* mask;
 };
 
-// A bit for each of the objects i ... i + kObjects - 1: whether it survives the
-// planes kFirst, kFirst + 1, ... of an order. The minima among them come first.
+// Returns a bit for each of the objects i ... i + kObjects - 1: whether it
+// survives the planes kFirst + kPlane... of an order (loops.h). The minima
+// among them must come first.
 template <const auto& kOrder, size_t kFirst, size_t kObjects, size_t... kPlane,
           class D>
 HWY_INLINE uint64_t StageBits(std::index_sequence<kPlane...>, D d,
@@ -31,11 +31,11 @@ HWY_INLINE uint64_t StageBits(std::index_sequence<kPlane...>, D d,
 
 // ---- The paper's schedule.
 
-// The objects of one step: a vector, the same for all widths.
+// The number of objects of one step, which is one vector.
 constexpr size_t kStep = HWY_HAVE_SCALABLE ? 4 : hn::MaxLanes(WordTag<float>());
 
-// One plane over the vectors of a batch; true if all its objects are rejected
-// after it.
+// Tests one plane on the vectors of a batch, and adds to `rejected`. Returns
+// whether all objects of the batch are rejected.
 template <const auto& kOrder, size_t kPlane>
 HWY_INLINE bool PlaneOverBatch(const Scan& scan, size_t i, size_t steps,
                                uint16_t* rejected) {

@@ -81,7 +81,7 @@ double KeptBy(ShapeKind shape, const AaboView3& view, const Segment3& segment,
 Tables RunSegments(Run& run) {
   // Enough to count in, and counted in a second.
   constexpr std::size_t kMostObjects = std::size_t{1} << 16;
-  const std::size_t segments = run.is_quick() ? 8 : 32;
+  const std::size_t segments = run.options.is_quick ? 8 : 32;
   const AaboWorld3 world = Thinned(run.Measured().objects, kMostObjects);
   const Aabb3 box = BoxAround(world);
   double side = 0.0;

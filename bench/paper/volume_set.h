@@ -1,5 +1,5 @@
-// The same objects in every bounding volume that is compared: those of the
-// library, and others at the same layout.
+// Every bounding volume of the same objects: those of the library, and others
+// in the same layout.
 #ifndef HALFSPACE_BENCH_PAPER_VOLUME_SET_H_
 #define HALFSPACE_BENCH_PAPER_VOLUME_SET_H_
 
@@ -90,7 +90,7 @@ class VolumeSet {
   AaboView3 prisms_;  // X, Y and Z are planes of the octahedra
   // Worlds, for the alignment of their planes.
   SimplexWorld3 spheres_;   // x, y, z, radius
-  SimplexWorld2 hexagons_;  // -(X + Y): minima, maxima, and again
+  SimplexWorld2 hexagons_;  // -(X + Y): minima, maxima, and zeros
   std::vector<std::uint64_t> mask_;
 };
 

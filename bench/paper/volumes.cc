@@ -151,14 +151,14 @@ Table BoxesTable(Run& run) {
                Value("AABB by axis", "ns", 3), Value("AABB auto", "ns", 3),
                Value("AABO auto", "ns", 3), Higher("best AABB / AABO")}};
   const std::vector<double> percents =
-      run.is_quick() ? std::vector<double>{2.0}
-                     : std::vector<double>{0.3, 1.0, 2.0, 3.0, 10.0};
+      run.options.is_quick ? std::vector<double>{2.0}
+                           : std::vector<double>{0.3, 1.0, 2.0, 3.0, 10.0};
   for (double percent : percents) {
     const Workload boxes =
         BoxesOf(SceneOfSize(percent / 100.0, ObjectsOf(run), run.options.seed));
     for (const WorkingSetSize& size :
          run.Reached({"L1", "L2", "L3", "memory"})) {
-      if (run.is_quick() && size.name != "L2") continue;
+      if (run.options.is_quick && size.name != "L2") continue;
       WorkingSet set(boxes, size);
       for (Target target : run.TargetsIn(size.name)) {
         Contest ns(run, "volumes/boxes");

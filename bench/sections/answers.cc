@@ -150,8 +150,9 @@ Table AnswersTable(Run& run) {
               {Key("question"), Key("use"), Value("times as fast as"),
                Value("the next best")}};
   constexpr std::size_t kMostObjects = std::size_t{1} << 20;
-  const AaboWorld3 world = Thinned(
-      run.Measured().objects, run.is_quick() ? kMostObjects / 8 : kMostObjects);
+  const AaboWorld3 world =
+      Thinned(run.Measured().objects,
+              run.options.is_quick ? kMostObjects / 8 : kMostObjects);
   const std::vector<Method> methods = MeasureMethods(run, world);
   AddMethods(table, "shape", methods, kShape);
   std::vector<Method> scans = methods;

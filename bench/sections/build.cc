@@ -282,7 +282,8 @@ Tables RunBuild(Run& run) {
   for (const WorkingSetSize& size : run.Reached({"L2", "memory"})) {
     for (const auto add :
          {&AddBuilds<Boxes>, &AddBuilds<Balls>, &AddBuilds<Triangles>}) {
-      if (run.is_quick() && size.name == "memory" && add != &AddBuilds<Boxes>) {
+      if (run.options.is_quick && size.name == "memory" &&
+          add != &AddBuilds<Boxes>) {
         continue;
       }
       add(run, size, builds);

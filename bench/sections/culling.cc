@@ -236,7 +236,7 @@ Tables RunCulling(Run& run) {
   const std::vector<Frustum3> cameras = Cameras(random);
   // As loops by hand need, a multiple of 64.
   std::vector<std::size_t> sizes = {1024, 16'384, 99'968};
-  if (!run.is_quick()) sizes.push_back(999'936);
+  if (!run.options.is_quick) sizes.push_back(999'936);
   for (std::size_t objects : sizes) {
     for (const char* order : {"random", "Morton"}) {
       CullScene scene(objects, order[0] == 'M', random);

@@ -14,8 +14,9 @@
 namespace halfspace::bench {
 namespace {
 
-// Decimal: 010 is ten, and 0x10 nothing. 1e6 is a whole number, too. Leaves
-// plain digits for CLI11, which would read others as octal, and let NaN pass.
+// Checks a decimal number: 010 is ten, 0x10 is an error, and 1e6 is a whole
+// number. Rewrites a whole number as plain digits, because CLI11 would read 010
+// as octal. CLI11 would let NaN pass.
 CLI::Validator Number(bool is_whole, double least, double most) {
   const std::string range =
       (is_whole ? "whole number from " : "number above ") + Fixed(least, 0) +
@@ -47,7 +48,8 @@ std::string CheckSection(const std::string& name) {
              : "\"" + name + "\" is not a section; --list prints them";
 }
 
-// Without what CLI11 says of checks, defaults, and what an option excludes.
+// Prints the type of an option's value, and leaves out the checks, defaults and
+// excluded options that CLI11 adds.
 class Help : public CLI::Formatter {
  public:
   Help() { column_width(24); }

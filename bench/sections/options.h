@@ -34,14 +34,14 @@ struct BenchOptions {
   std::string out;
   bool is_list = false;
 
-  // Those that choose what is measured, as on the command line, but for the
-  // sections: runs that differ in them are not compared.
+  // Returns the options that choose what is measured, as on the command line,
+  // without the sections. Runs with different scopes are not compared.
   std::string Scope() const;
 
   bool Wants(std::string_view section) const;
 };
 
-// What is wrong with the command line, and what to do.
+// The message says what is wrong with the command line, and what to do.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

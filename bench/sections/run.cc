@@ -56,8 +56,8 @@ Run::Run(const BenchOptions& run_options, std::optional<Workload> input,
 
 bool Run::NeedsScene() const {
   return ThisProgram().HasAny([this](const Section& section) {
-    const unsigned needing = kPaperScene | (input_ ? 0 : kScene);
-    return (section.flags & needing) != 0 && options.Wants(section.name);
+    const unsigned needs_scene = kPaperScene | (input_ ? 0 : kScene);
+    return (section.flags & needs_scene) != 0 && options.Wants(section.name);
   });
 }
 

@@ -1,5 +1,5 @@
-// What a run lends its sections: worlds, timers, targets, and what more than
-// one of them needs. All of it is made when it is first used.
+// A run of the program. It has the worlds, timers and targets that sections
+// share, and makes each when it is first used.
 #ifndef HALFSPACE_BENCH_SECTIONS_RUN_H_
 #define HALFSPACE_BENCH_SECTIONS_RUN_H_
 
@@ -28,12 +28,13 @@ namespace halfspace::bench {
 inline constexpr std::size_t kPaperObjects = std::size_t{1} << 22;
 inline constexpr std::size_t kPaperQueries = 128;
 
-// What the progress line calls a group of the verdict, and the seconds that it
-// takes on a common machine.
+// The verdict is measured in groups, which are spread over the run
+// (measure/groups.h). This is the name of a group in the progress line, and the
+// seconds that it takes on a common machine.
 inline constexpr std::string_view kVerdictGroup = "simplex or box";
 inline constexpr double kVerdictGroupSeconds = 3.0;
 
-// What an exact test of a pair costs.
+// The time of an exact test of a pair.
 struct ExactTest {
   std::string name;
   double ns;
@@ -56,15 +57,14 @@ class Run {
   ClockProbe clock;
 
   bool is_page() const { return options.details.empty(); }
-  bool is_quick() const { return options.is_quick; }
 
   // The target that programs get, or the best that is measured.
   Target best() const;
-  // In memory targets hardly differ, and take long: the best alone, and so if
-  // the run is quick.
+  // The targets to measure in a working set. In memory, targets hardly differ
+  // and take long, so it is the best one alone. The same holds for a quick run.
   std::vector<Target> TargetsIn(const std::string& set) const {
-    return is_quick() || set == "memory" ? std::vector<Target>{best()}
-                                         : targets;
+    return options.is_quick || set == "memory" ? std::vector<Target>{best()}
+                                               : targets;
   }
 
   // The workload of a file; null without one.
@@ -74,20 +74,20 @@ class Run {
   // The workload of the file, or the scene.
   const Workload& Measured() { return input_ ? *input_ : Scene(); }
   std::size_t SceneObjects() const;
-  // The most objects of other worlds: of a quick run fewer, and no more than
-  // --objects.
+  // The most objects of other worlds: `usual`, or `of_quick` in a quick run,
+  // but no more than --objects.
   std::size_t MostObjects(std::size_t usual, std::size_t of_quick) const;
 
-  // The working sets of these names, as far as they are reached.
+  // The sizes of these names that this machine reaches.
   std::vector<WorkingSetSize> Reached(
       const std::vector<std::string>& names) const;
   std::vector<WorkingSet*> Sets(const std::vector<std::string>& names);
-  // In L2, or of its usual size where there is none.
+  // The working set in L2, or of the usual size of an L2 if there is none.
   WorkingSet& SmallSet();
   // A note for each working set that is not reached.
   std::vector<std::string> NotReached() const;
 
-  // Those of --repetitions, or others.
+  // The number of --repetitions, or `usual` if it is not given.
   std::size_t RepetitionsOr(std::size_t usual) const {
     return options.repetitions == 0 ? usual : options.repetitions;
   }
@@ -96,18 +96,18 @@ class Run {
     return std::min(effort.repetitions, most);
   }
 
-  // That of --exact-ns, or of a pair of triangles.
+  // The time of --exact-ns, or of a pair of triangles, which is measured.
   ExactTest TheExactTest();
 
-  // Groups of the verdict: as many as repetitions, if these are given and
-  // fewer.
+  // The number of groups of the verdict: kGroups, or the number of repetitions
+  // if that is given and less.
   std::size_t VerdictGroups() const;
-  // Simplex against box. The first call measures the groups that are missing.
+  // Simplex against box. Measures the groups that are missing.
   const Verdict& TheVerdict();
-  // One more group of it, unless there are enough.
+  // Measures one more group of the verdict, unless there are VerdictGroups().
   void AddVerdictGroup();
 
-  // What RunThreads() leaves for the answers.
+  // Set by RunThreads(), for sections that run after it.
   Table threads;
 
  private:
@@ -121,18 +121,14 @@ class Run {
   std::unique_ptr<Verdict> verdict_;
 };
 
-// The list of sections of a program. A section measures or counts, and returns
-// tables.
-//
-// Flags: the page has the section; it measures the scene, unless there is a
-// file; or the scene in any case; it reads what other sections leave in Run; it
-// reads the verdict.
-inline constexpr unsigned kPage = 1;
-inline constexpr unsigned kScene = 2;
-inline constexpr unsigned kPaperScene = 4;
-inline constexpr unsigned kLast = 8;
-inline constexpr unsigned kVerdict = 16;
+// Flags of a section.
+inline constexpr unsigned kPage = 1;        // is on the page
+inline constexpr unsigned kScene = 2;       // measures the file, or the scene
+inline constexpr unsigned kPaperScene = 4;  // always measures the scene
+inline constexpr unsigned kLast = 8;        // runs after all others
+inline constexpr unsigned kVerdict = 16;    // reads the verdict
 
+// A section measures or counts, and returns tables.
 struct Section {
   std::string_view name;
   Tables (*run)(Run& run);
@@ -152,7 +148,7 @@ struct Program {
   }
 };
 
-// The one that is linked: its sections.cc defines it.
+// The program that is linked. sections.cc defines it.
 const Program& ThisProgram();
 
 }  // namespace halfspace::bench

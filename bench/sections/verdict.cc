@@ -314,8 +314,7 @@ Verdict::Place Verdict::MakePlace(Run& run, double percent) const {
     place.set =
         std::make_unique<WorkingSet>(input->objects, std::move(queries), size_);
   } else {
-    // The same seed at all sizes of a group, so that they differ in nothing
-    // else.
+    // All sizes of a group have the same seed, so that only the size differs.
     place.set = std::make_unique<WorkingSet>(
         SceneOfSize(percent / 100.0, size_.objects,
                     run.options.seed + 1'000'003 * groups_, count),

@@ -24,8 +24,8 @@ enum class BodyKind {
 };
 const char* NameOf(BodyKind kind);
 
-// The same seed gives the same scene on every machine. A body is at one of
-// kStates places, one after the other, and then back again.
+// Moving bodies. A seed makes the same scene on every machine. A body moves
+// through kStates places, and then back again.
 template <int kDims>
 class BodyScene {
  public:
@@ -38,7 +38,7 @@ class BodyScene {
 
   std::size_t size() const { return boxes_.size(); }
   Ids AllIds() const;
-  // The same ones in each frame.
+  // Returns the ids of this share of bodies, the same in each frame.
   Ids Some(std::size_t percent) const;
   // The boxes of these bodies in a state.
   std::vector<Box> At(const Ids& ids, std::size_t state) const;

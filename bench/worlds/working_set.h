@@ -1,4 +1,4 @@
-// The same workload at the sizes of the memory hierarchy.
+// A workload, cut to the sizes of the caches and of memory.
 #ifndef HALFSPACE_BENCH_WORLDS_WORKING_SET_H_
 #define HALFSPACE_BENCH_WORLDS_WORKING_SET_H_
 

@@ -23,7 +23,7 @@ constexpr double kAllDecayed = 2;
 // took when they always sorted a 16th of the bodies. The cost ratio, which all
 // leaves have a part in, is computed after a 64th of the bodies has changed, or
 // in the first update without changes.
-constexpr std::size_t kSortedOfChange = 2;
+constexpr std::size_t kSortedPerChange = 2;
 constexpr std::size_t kLeastSorted = 2048;
 
 // If parts of the order do not keep up with fast bodies, all are sorted as soon
@@ -83,7 +83,7 @@ void Sort(BroadPhaseState& state, Changing& changing,
     state.is_sorted_enough = false;
     if (wear.updates <= kOften) ++wear.updates;
   }
-  const std::size_t due = kSortedOfChange * wear.changes;
+  const std::size_t due = kSortedPerChange * wear.changes;
   if (options.budget == 0 || tree.size() == 0) return;
   const std::size_t least_due = std::min(tree.size() / 32, kLeastSorted);
   if (is_automatic && changed > 0 && due < least_due) return;
@@ -112,13 +112,13 @@ void Sort(BroadPhaseState& state, Changing& changing,
   changing.Begin(budget);
   const std::size_t sorted =
       tree.RebuildPartial(std::max<std::size_t>(budget, 1), options.run);
-  const std::size_t of_changes = sorted / kSortedOfChange;
+  const std::size_t of_changes = sorted / kSortedPerChange;
   wear.changes -= static_cast<std::uint32_t>(
       std::min<std::size_t>(wear.changes, of_changes));
   // The next update computes the ratio too, however few bodies change.
   if (is_all_decayed) {
     wear.changes = std::max(
-        wear.changes, static_cast<std::uint32_t>(least_due / kSortedOfChange));
+        wear.changes, static_cast<std::uint32_t>(least_due / kSortedPerChange));
   }
 }
 
@@ -190,7 +190,7 @@ std::size_t InsertBodies(BroadPhaseState& state, Span<const std::uint32_t> ids,
     inserted.Add();
   }
   state.tree.InsertAs(ids, ColumnsOfRows(values.data(), ids.size(), planes));
-  BvhState::Of(state.tree).PutOffSort();
+  BvhState::Of(state.tree).ResetInsertions();
   for (std::size_t i = 0; i < ids.size(); ++i) {
     SetMask(state, ids[i], masks.empty() ? BodyMasks() : masks[i]);
     state.records.SetChanged(ids[i]);

@@ -196,7 +196,7 @@ class Records {
     std::uint64_t bits_ = 0;
     const std::atomic<std::uint64_t>* found_[kBlockObjects];
   };
-  // The same for one body.
+  // Writes plane p of one body to to[p * kBlockObjects].
   template <std::size_t kAxes>
   void Copy(std::uint32_t id, float* to) const {
     Copy(std::make_index_sequence<kAxes>(), *At(id), to);

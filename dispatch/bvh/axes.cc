@@ -8,12 +8,10 @@
 
 #include "dispatch/default_fp_mode.h"
 
-namespace halfspace::dispatch {
+namespace halfspace::detail {
 namespace {
 
-using detail::Centers;
-using detail::kCenterAxes;
-using Kernels = detail::BvhKernels::OfPlanes;
+using Kernels = BvhKernels::OfPlanes;
 
 // A sample: short runs of consecutive objects.
 constexpr std::size_t kRuns = 32;
@@ -21,7 +19,7 @@ constexpr std::size_t kRun = 4;
 
 // Calls function(first, count) for each run.
 template <typename Function>
-void ForRuns(const detail::Columns& objects, const Function& function) {
+void ForRuns(const Columns& objects, const Function& function) {
   const std::size_t step = std::max(kRun, objects.size / kRuns);
   for (std::size_t r = 0; r < kRuns && r * step < objects.size; ++r) {
     function(r * step, std::min(kRun, objects.size - r * step));
@@ -37,7 +35,7 @@ struct Range {
 };
 using Ranges = std::array<Range, kCenterAxes>;
 
-Ranges RangesOf(const detail::Columns& objects, const Kernels& kernels) {
+Ranges RangesOf(const Columns& objects, const Kernels& kernels) {
   std::array<std::array<float, kRuns * kRun>, kCenterAxes> samples;
   std::array<std::size_t, kCenterAxes> counts{};
   ForRuns(objects, [&](std::size_t first, std::size_t count) {
@@ -45,7 +43,7 @@ Ranges RangesOf(const detail::Columns& objects, const Kernels& kernels) {
     kernels.centers(objects, first, count, centers);
     for (std::size_t k = 0; k < kCenterAxes; ++k) {
       for (std::size_t i = 0; i < count; ++i) {
-        if (centers[k][i] == detail::kLastCenter) continue;
+        if (centers[k][i] == kLastCenter) continue;
         samples[k][counts[k]++] = centers[k][i];
       }
     }
@@ -71,8 +69,8 @@ Ranges RangesOf(const detail::Columns& objects, const Kernels& kernels) {
 // The median extent of the sampled objects on an axis, or 0 of bounds without
 // maxima. A few large objects do not count. Points of doubles, which are
 // rounded outward, have no extent.
-double ExtentOf(const detail::PlaneLayout& layout,
-                const detail::Columns& objects, std::size_t axis) {
+double ExtentOf(const PlaneLayout& layout, const Columns& objects,
+                std::size_t axis) {
   if (!layout.has_max || axis >= layout.axes) return 0;
   std::array<double, kRuns * kRun> extents;
   std::size_t some = 0;
@@ -125,8 +123,7 @@ AxisWeights AxisWeights::Unpack(std::uint32_t packed) {
 namespace {
 
 AxisWeights FindWeights(
-    const detail::PlaneLayout& layout, const detail::Columns& objects,
-    const Kernels& kernels,
+    const PlaneLayout& layout, const Columns& objects, const Kernels& kernels,
     const std::optional<std::array<float, 3>>& query_extents) {
   constexpr double kInf = std::numeric_limits<double>::infinity();
   const Ranges ranges = RangesOf(objects, kernels);
@@ -165,15 +162,15 @@ AxisWeights FindWeights(
   return AxisWeights::Unpack(weights.Pack());
 }
 
-detail::Grid FindGrid(const detail::Columns& objects,
-                      const AxisWeights& weights, const Kernels& kernels) {
+Grid FindGrid(const Columns& objects, const AxisWeights& weights,
+              const Kernels& kernels) {
   constexpr float kMostCells = std::numeric_limits<float>::max() / 0x1p15f;
   const Ranges ranges = RangesOf(objects, kernels);
   float widest = 0;
   for (std::size_t k = 0; k < kCenterAxes; ++k) {
     widest = std::max(widest, ranges[k].width * weights.weight[k]);
   }
-  detail::Grid grid{};
+  Grid grid{};
   for (std::size_t k = 0; k < kCenterAxes; ++k) {
     grid.least[k] = ranges[k].least;
     // All centers in one place are in one cell.
@@ -186,16 +183,16 @@ detail::Grid FindGrid(const detail::Columns& objects,
 }  // namespace
 
 AxisWeights WeightsOf(
-    const detail::PlaneLayout& layout, const detail::Columns& objects,
-    const Kernels& kernels,
+    const PlaneLayout& layout, const Columns& objects, const Kernels& kernels,
     const std::optional<std::array<float, 3>>& query_extents) {
-  return InDefaultFpMode(
+  return dispatch::InDefaultFpMode(
       [&] { return FindWeights(layout, objects, kernels, query_extents); });
 }
 
-detail::Grid GridOf(const detail::Columns& objects, const AxisWeights& weights,
-                    const Kernels& kernels) {
-  return InDefaultFpMode([&] { return FindGrid(objects, weights, kernels); });
+Grid GridOf(const Columns& objects, const AxisWeights& weights,
+            const Kernels& kernels) {
+  return dispatch::InDefaultFpMode(
+      [&] { return FindGrid(objects, weights, kernels); });
 }
 
-}  // namespace halfspace::dispatch
+}  // namespace halfspace::detail

@@ -9,7 +9,7 @@
 
 #include "kernels/bvh/block.h"
 
-namespace halfspace::dispatch {
+namespace halfspace::detail {
 
 // A query of extents q reads a node of extents e in a share of all cases that
 // is the product of e[k] + q[k] over the axes. A cut of axis k halves e[k], so
@@ -17,7 +17,7 @@ namespace halfspace::dispatch {
 // to the greatest. So an order cuts where the extent times the weight is
 // greatest.
 struct AxisWeights {
-  std::array<float, detail::kCenterAxes> weight;
+  std::array<float, kCenterAxes> weight;
   bool is_given;  // by BuildOptions::query_extents
 
   // As a number, for the header of a blob. Weights are rounded to two bits
@@ -31,16 +31,15 @@ struct AxisWeights {
 // about as large as the objects, rounded as by Pack(). The objects are sampled.
 // Queries of points could have any extents: the square roots of the extents of
 // all points are in the middle between a cube and the shape of the world.
-AxisWeights WeightsOf(const detail::PlaneLayout& layout,
-                      const detail::Columns& objects,
-                      const detail::BvhKernels::OfPlanes& kernels,
+AxisWeights WeightsOf(const PlaneLayout& layout, const Columns& objects,
+                      const BvhKernels::OfPlanes& kernels,
                       const std::optional<std::array<float, 3>>& query_extents);
 
 // The grid of a curve over most centers. Cells have the same extents, times the
 // weights, on all axes.
-detail::Grid GridOf(const detail::Columns& objects, const AxisWeights& weights,
-                    const detail::BvhKernels::OfPlanes& kernels);
+Grid GridOf(const Columns& objects, const AxisWeights& weights,
+            const BvhKernels::OfPlanes& kernels);
 
-}  // namespace halfspace::dispatch
+}  // namespace halfspace::detail
 
 #endif  // HALFSPACE_DISPATCH_BVH_AXES_H_

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "dispatch/outward.h"
 #include "halfspace/detail/bvh.h"
 #include "kernels/bvh/shape_query.h"
 
@@ -117,7 +118,7 @@ class BallCast {
         const double root = std::sqrt(squared) + std::sqrt(a * size) * 0x1p-46;
         if (root - b >= a * begin) t = std::max(begin, (-b - root) / a);
       }
-      if (t <= end) return std::max(enter, -RoundedUp(-t));
+      if (t <= end) return std::max(enter, -dispatch::RoundUpLoosely(-t));
       if (!(end < exit)) return std::numeric_limits<float>::infinity();
       begin = end;
     }

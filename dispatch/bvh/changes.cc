@@ -23,7 +23,8 @@
 namespace halfspace::detail {
 namespace {
 
-constexpr BvhRoom kSlotsById = {0, 1, false};
+// No more slots than before. Prepare() raises `ids` to the number of slots.
+constexpr BvhRoom kSlotsById = {.slots = 0, .ids = 1, .has_masks = false};
 
 // Insertions between two sorts of the last slots. Up to so many objects, about
 // four leaves, have no order, and almost every query visits these leaves.
@@ -251,16 +252,17 @@ void BvhTree::CheckIds(Span<const std::uint32_t> ids, const char* call) const {
   }
 }
 
-// Before a change of one object. Returns its slot.
+// Called before a change of one object. Returns its slot.
 std::size_t BvhState::PrepareObject(std::uint32_t id, bool has_masks,
                                     const char* call) {
   CheckId(id, call);
-  Prepare(call, {0, 1, has_masks});
+  Prepare(call, {.slots = 0, .ids = 1, .has_masks = has_masks});
   return levels_.slots[id];
 }
 
-// Encodes the object of a slot, or, of a block that AppendSlot() began, all,
-// and so on upwards until a node stays as it was.
+// Encodes the object of a slot and the nodes above it, up to the first node
+// that stays the same. In a block that AppendSlot() has begun, all slots are
+// encoded.
 void BvhState::EncodePath(std::size_t slot, bool is_new_block) {
   const BvhKernels::OfPlanes& kernels = KernelsFor(type_, Target(), "Bvh");
   dispatch::InDefaultFpMode([&] {
@@ -276,8 +278,9 @@ void BvhState::EncodePath(std::size_t slot, bool is_new_block) {
   });
 }
 
-// Writes a bound to a slot in use. Encodes it later, with all in `changed`, or
-// at once.
+// Writes a bound to a slot in use. With `changed`, sets the bit of the slot,
+// and EncodeTouched() encodes it later. If `changed` is null, encodes it at
+// once.
 void BvhState::Write(std::size_t slot, const float* values,
                      std::uint64_t* changed) {
   for (std::size_t p = 0; p < type_.plane_count; ++p) {
@@ -292,7 +295,8 @@ void BvhTree::Set(std::uint32_t id, Span<const float> values) {
   tree.Write(tree.PrepareObject(id, false, "Bvh::Set"), values.data(), nullptr);
 }
 
-// Encodes what has changed, level after level.
+// Encodes the slots of the set bits and the nodes above them, level after
+// level.
 void BvhState::EncodeTouched(std::uint64_t* changed) {
   if (changed == nullptr) return;
   const BvhKernels::OfPlanes& kernels = KernelsFor(type_, Target(), "Bvh");
@@ -383,9 +387,9 @@ void BvhState::AppendSlot() {
   }
 }
 
-// An empty slot in a leaf that would grow by a 16th at most, or the end. If a
-// leaf could double its size, the leaves would have four times the surface when
-// all objects have come and gone.
+// Returns an empty slot in a leaf that would grow by a 16th at most, or slots()
+// if there is none. If a leaf could double its size, the leaves would have four
+// times the surface when all objects have come and gone.
 std::size_t BvhState::FindSlot(const float* values) const {
   const std::size_t end = slots();
   if (size() == end) return end;
@@ -395,7 +399,7 @@ std::size_t BvhState::FindSlot(const float* values) const {
   for (std::size_t l = levels_.count; l-- > 1;) {
     const BvhLevel& level = levels_.level[l];
     const std::size_t first = block * kBlockObjects;
-    // Not those without objects: they have no place.
+    // Nodes without objects are left out, because their bounds are Empty().
     std::uint64_t with_room = level.present[block];
     if (l == 1) {
       const std::size_t nodes = std::min(kBlockObjects, level.size - first);
@@ -423,10 +427,10 @@ std::size_t BvhState::FindSlot(const float* values) const {
   return empty == 0 ? end : block * kBlockObjects + LowestBit(empty);
 }
 
-// The first of the last slots that have to be sorted, after `added` objects
-// came to the end, or the end. Each object there is sorted with the 256 that
-// came with it, these with 1024, and so on; and with all, when half as many
-// were inserted as there were when all were sorted.
+// Returns the first of the last slots that are due for a sort after `added`
+// objects were appended, or slots() if none are. Each 256 inserted objects are
+// sorted together, later each 1024, and so on. All objects are due when half as
+// many were inserted as there were at the last sort of all.
 std::size_t BvhState::FirstDue(std::size_t added) const {
   const std::size_t end = slots();
   const BvhHeader& header = this->header();
@@ -672,7 +676,7 @@ void BvhTree::Reserve(std::size_t objects) {
     dispatch::ThrowInvalid(kCall, "objects", "fewer than 2^31 objects in all",
                            std::to_string(objects));
   }
-  tree.Prepare(kCall, {room, 1, false});
+  tree.Prepare(kCall, {.slots = room, .ids = 1, .has_masks = false});
 }
 
 void BvhTree::SetMasks(std::uint32_t id, std::uint32_t masks) {
@@ -694,7 +698,7 @@ void BvhTree::SetMasks(Span<const std::uint32_t> masks) {
         std::to_string(masks.size()));
   }
   if (tree.block_ == nullptr) return;
-  tree.Prepare(kCall, {0, 0, true});
+  tree.Prepare(kCall, {.slots = 0, .ids = 0, .has_masks = true});
   for (std::size_t s = 0; s < tree.header().slots; ++s) {
     const std::uint32_t id = tree.levels_.ids[s];
     tree.levels_.level[0].masks[s] = id != kNoId ? masks[id] : 0;

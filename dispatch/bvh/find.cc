@@ -15,9 +15,14 @@ void RunWalks(const BvhTree& tree, const BvhQueries& queries,
               const QueryOptions& options, const char* call,
               const BvhKernels::OfPlanes& kernels, WalkIds* ids,
               std::size_t* counts, bool is_urgent = false) {
-  const Walk walk = {
-      &tree.levels(), queries.first, queries.count,      ids,
-      counts,         options.mask,  options.statistics, is_urgent};
+  const Walk walk = {.levels = &tree.levels(),
+                     .queries = queries.first,
+                     .query_count = queries.count,
+                     .ids = ids,
+                     .counts = counts,
+                     .mask = options.mask,
+                     .statistics = options.statistics,
+                     .is_urgent = is_urgent};
   if (queries.kind != nullptr) {
     queries.kind->walk(tree.type(), queries, options, call, walk);
   } else if (!FindsNothing(tree, options.mask)) {
@@ -106,7 +111,7 @@ std::size_t BvhTree::SurvivorsOfEach(const BvhQueries& queries,
   to.offsets = offsets.data();
   RunWalks(*this, queries, options, kCall, kernels, &to, nullptr);
   offsets[0] = 0;
-  // No query has walked.
+  // RunWalks() has then run no walk, so no offset is written.
   if (FindsNothing(*this, options.mask)) {
     std::fill_n(offsets.data(), queries.count + 1, 0);
   }

@@ -33,9 +33,6 @@ inline constexpr std::size_t kGroupSlots = 16 * kBlockObjects;
 // 2, because the bits of two smaller tasks could share a word.
 inline constexpr std::size_t kTaskSlots = kBlockObjects * kBlockObjects;
 
-// If a tree has room for more slots than this, its leaves have codes.
-inline constexpr std::size_t kMostWithoutCodes = 4096;
-
 using dispatch::kMostObjects;
 
 // The capacity of a tree.
@@ -72,7 +69,7 @@ struct alignas(64) BvhHeader {
   std::uint32_t ids;       // in use or free: from 0 on
   std::uint32_t weights;   // AxisWeights::Pack() of the last sort of all
   std::uint32_t sorted;    // slots when all were sorted, that are left of these
-  std::uint32_t inserted;  // since then, or since PutOffSort()
+  std::uint32_t inserted;  // since then or ResetInsertions()
 };
 static_assert(sizeof(BvhHeader) == 64);
 
@@ -132,9 +129,6 @@ void ClearSlots(const PlaneLayout& layout, BvhLevels& levels, std::size_t level,
 // blocks have to be encoded afterwards.
 void Truncate(const PlaneLayout& layout, BvhLevels& levels, std::size_t slots);
 
-inline bool BitOf(const std::uint64_t* words, std::size_t i) {
-  return (words[i / 64] >> i % 64 & 1) != 0;
-}
 inline void AssignBit(std::uint64_t* words, std::size_t i, bool value) {
   const std::uint64_t bit = std::uint64_t{1} << i % 64;
   words[i / 64] = value ? words[i / 64] | bit : words[i / 64] & ~bit;
@@ -142,7 +136,8 @@ inline void AssignBit(std::uint64_t* words, std::size_t i, bool value) {
 
 // Whether there is an object in a slot.
 inline bool IsPresent(const BvhLevels& levels, std::size_t slot) {
-  return BitOf(levels.level[0].present, slot);
+  const std::uint64_t* const words = levels.level[0].present;
+  return (words[slot / 64] >> slot % 64 & 1) != 0;
 }
 
 // Whether an object has this id, which is in use or free. `levels.slots` must
@@ -215,8 +210,7 @@ inline BlockRange RangeOf(const BvhLevels& levels, std::size_t level,
 void EncodeLevels(const BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
                   std::size_t from);
 
-// The same for the blocks of slots begin ... end - 1, and for the nodes above
-// them.
+// Encodes the blocks of slots begin ... end - 1, and the nodes above them.
 void EncodeSlots(BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
                  std::size_t begin, std::size_t end);
 

@@ -12,11 +12,13 @@
 #include <vector>
 
 #include "dispatch/bvh/scratch.h"
+#include "dispatch/bvh/shape_query.h"
 #include "dispatch/bvh/triangles.h"
 #include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/errors/number_checks.h"
+#include "dispatch/outward.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/detail/plane_arrays.h"
 #include "kernels/bvh/mesh.h"
@@ -82,9 +84,9 @@ struct Bounds {
     for (std::size_t k = 0; k < kDims; ++k) {
       const auto center = static_cast<float>(Center(k));
       cube.center[k] = center;
-      cube.half =
-          std::max({cube.half, detail::RoundedUp(double{max[k]} - center),
-                    detail::RoundedUp(double{center} - min[k])});
+      cube.half = std::max({cube.half,
+                            dispatch::RoundUpLoosely(double{max[k]} - center),
+                            dispatch::RoundUpLoosely(double{center} - min[k])});
     }
     return cube;
   }
@@ -400,7 +402,7 @@ struct FirstAnswer {
   MeshHit hit = {kNoId, kInf};
 
   float Take(const MeshGroup& group, std::size_t lane) {
-    const float t = dispatch::HitOf(ray, TriangleAt(group, lane));
+    const float t = detail::HitOf(ray, TriangleAt(group, lane));
     if (t < hit.t || (t == hit.t && t < kInf && group.id[lane] < hit.id)) {
       hit = {group.id[lane], t};
       ray.max_t = t;
@@ -414,7 +416,7 @@ struct AnyAnswer {
   bool is_hit = false;
 
   float Take(const MeshGroup& group, std::size_t lane) {
-    is_hit = dispatch::HitOf(ray, TriangleAt(group, lane)) < kInf;
+    is_hit = detail::HitOf(ray, TriangleAt(group, lane)) < kInf;
     return is_hit ? -1.0f : kInf;
   }
 };
@@ -426,7 +428,7 @@ struct EachAnswer {
   dispatch::DefaultFpMode& mode;
 
   float Take(const MeshGroup& group, std::size_t lane) {
-    const float t = dispatch::HitOf(ray, TriangleAt(group, lane));
+    const float t = detail::HitOf(ray, TriangleAt(group, lane));
     if (!(t < kInf)) return kInf;
     const float limit =
         mode.Outside([&] { return function(context, group.id[lane], t); });
@@ -442,7 +444,7 @@ struct ClosestAnswer {
 
   float Take(const MeshGroup& group, std::size_t lane) {
     const TrianglePoint found =
-        dispatch::ClosestOf(point, TriangleAt(group, lane));
+        detail::ClosestOf(point, TriangleAt(group, lane));
     const std::uint32_t id = group.id[lane];
     if (found.distance <= max_distance &&
         (found.distance < closest.distance ||

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "dispatch/bvh/ball.h"
+#include "dispatch/bvh/shape_query.h"
 #include "dispatch/bvh/tree.h"
 #include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
@@ -30,10 +31,10 @@ float KeyLimit(float value) {
   return static_cast<float>(std::min(limit, double{kMax<float>}));
 }
 
-// The number of objects that one search finds on the stack: the first search
-// for a function, and at most.
-constexpr std::size_t kFirstRoom = 8;
+// The number of objects that one search finds on the stack. The searches for a
+// function begin with fewer, because it may end them soon.
 constexpr std::size_t kMostRoom = 2048;
+constexpr std::size_t kFirstRoom = 8;
 
 // A function of the caller's, which runs in the caller's floating-point mode.
 struct NearCallback {
@@ -49,7 +50,8 @@ struct NearCallback {
   }
 };
 
-// The same for a cast of a ball.
+// A function of the caller's that the kernel calls for the box around a ball.
+// It runs only for objects that the ball touches.
 struct BallCallback {
   NearCallback call;
   BallCast ball;
@@ -183,7 +185,7 @@ void Call(const BvhNearestKernels& kernels, NearestSearch& search,
   }
 }
 
-// Throws unless it is a cast.
+// Throws if the cast is invalid. Returns the kernels of the target.
 const BvhNearestKernels& CheckCast(const LineCast& cast, Target target) {
   dispatch::CheckLength(cast.call, "max_t", cast.max_t);
   dispatch::CheckLength(cast.call, "radius", cast.radius);
@@ -191,8 +193,7 @@ const BvhNearestKernels& CheckCast(const LineCast& cast, Target target) {
       target, cast.call)];
 }
 
-// In the default floating-point mode. Returns whether the box can touch
-// anything.
+// Called in the default floating-point mode. Returns false if the box is empty.
 bool MakeCastLine(const PlaneLayout& layout, const LineCast& cast, Line& line) {
   double low[3];
   double high[3];

@@ -10,14 +10,12 @@
 #include "kernels/bvh/block.h"
 #include "kernels/compiler.h"
 
-namespace halfspace::dispatch {
+namespace halfspace::detail {
 namespace {
 
-using detail::Centers;
-using detail::kBlockObjects;
-using Kernels = detail::BvhKernels::OfPlanes;
+using Kernels = BvhKernels::OfPlanes;
 
-constexpr std::size_t kAxes = detail::kCenterAxes;
+constexpr std::size_t kAxes = kCenterAxes;
 
 // The number of objects that a thread takes at a time.
 constexpr std::size_t kPart = kBlockObjects * kBlockObjects;
@@ -25,11 +23,11 @@ constexpr std::size_t kPart = kBlockObjects * kBlockObjects;
 // Calls function(first, count, centers) for 64 of objects begin ... end - 1 at
 // a time.
 template <typename Function>
-void ForCenters(const detail::Columns& objects, std::size_t begin,
-                std::size_t end, const Kernels& kernels, const Runner& run,
+void ForCenters(const Columns& objects, std::size_t begin, std::size_t end,
+                const Kernels& kernels, const Runner& run,
                 const Function& function) {
   const std::size_t parts = (end - begin + kPart - 1) / kPart;
-  RunInDefaultFpMode(run, parts, [&](std::size_t part) {
+  dispatch::RunInDefaultFpMode(run, parts, [&](std::size_t part) {
     const std::size_t part_end = std::min(end, begin + (part + 1) * kPart);
     Centers centers;
     for (std::size_t first = begin + part * kPart; first < part_end;
@@ -41,11 +39,11 @@ void ForCenters(const detail::Columns& objects, std::size_t begin,
   });
 }
 
-using Point = std::array<float, kAxes>;
+using Center = std::array<float, kAxes>;
 
 struct Extent {
-  Point least;
-  Point greatest;
+  Center least;
+  Center greatest;
 
   Extent() {
     least.fill(std::numeric_limits<float>::infinity());
@@ -56,14 +54,13 @@ struct Extent {
   void Add(std::size_t axis, float center) {
     least[axis] = std::min(least[axis], center);
     greatest[axis] =
-        std::max(greatest[axis],
-                 center == detail::kLastCenter ? -detail::kLastCenter : center);
+        std::max(greatest[axis], center == kLastCenter ? -kLastCenter : center);
   }
   float Width(std::size_t k) const { return greatest[k] - least[k]; }
 };
 
 struct Entry {
-  Point center;
+  Center center;
   std::uint32_t id;
 };
 static_assert(sizeof(Entry) == kOrderScratch);
@@ -102,8 +99,8 @@ struct Selection {
   // greater. Returns false if the middle has its place.
   bool Halve() {
     if (size() < 2) return false;
-    // Of quarters, because the ends and the middle of objects that were listed
-    // on the way out and back are the least and the greatest.
+    // The samples are at quarters. If objects were listed on the way out and
+    // back, those at the ends and in the middle are the least and the greatest.
     float a = At(first[size() / 4]);
     float pivot = At(first[size() / 2]);
     const float b = At(first[size() - 1 - size() / 4]);
@@ -235,7 +232,7 @@ void SortAllByMedians(Entry* entries, std::size_t size, const Cuts& cuts,
   pieces[0] = {0, size};
   while (2 * count <= kPieces && size / count > kPart) {
     std::array<Piece, kPieces> halves;
-    RunInDefaultFpMode(run, count, [&](std::size_t i) {
+    dispatch::RunInDefaultFpMode(run, count, [&](std::size_t i) {
       const std::size_t middle = Split(entries, pieces[i], cuts);
       halves[2 * i] = {pieces[i].begin, middle};
       halves[2 * i + 1] = {middle, pieces[i].end};
@@ -247,17 +244,16 @@ void SortAllByMedians(Entry* entries, std::size_t size, const Cuts& cuts,
     SortByMedians(entries, pieces[i], cuts);
   };
   // Cells of a curve are often one piece, and many.
-  if (count == 1) return InDefaultFpMode([&] { sort(0); });
-  RunInDefaultFpMode(run, count, sort);
+  if (count == 1) return dispatch::InDefaultFpMode([&] { sort(0); });
+  dispatch::RunInDefaultFpMode(run, count, sort);
 }
 
 // The entries of the objects ids[0 ... count - 1].
-void GatherEntries(const detail::PlaneLayout& layout,
-                   const detail::Columns& objects, const Kernels& kernels,
-                   const std::uint32_t* ids, std::size_t count,
-                   Entry* entries) {
-  std::array<std::array<float, kBlockObjects>, detail::kMaxPlanes> values;
-  detail::Columns gathered = detail::ColumnsOf<float>(kBlockObjects, 1);
+void GatherEntries(const PlaneLayout& layout, const Columns& objects,
+                   const Kernels& kernels, const std::uint32_t* ids,
+                   std::size_t count, Entry* entries) {
+  std::array<std::array<float, kBlockObjects>, kMaxPlanes> values;
+  Columns gathered = ColumnsOf<float>(kBlockObjects, 1);
   for (std::size_t p = 0; p < layout.plane_count; ++p) {
     gathered.column[p] = values[p].data();
   }
@@ -279,7 +275,7 @@ void GatherEntries(const detail::PlaneLayout& layout,
 
 }  // namespace
 
-void OrderByMedians(const detail::Columns& objects, const AxisWeights& weights,
+void OrderByMedians(const Columns& objects, const AxisWeights& weights,
                     const Kernels& kernels, std::byte* scratch,
                     std::uint32_t* ids, const Runner& run) {
   auto* const entries = reinterpret_cast<Entry*>(scratch);
@@ -295,19 +291,19 @@ void OrderByMedians(const detail::Columns& objects, const AxisWeights& weights,
   for (std::size_t i = 0; i < objects.size; ++i) ids[i] = entries[i].id;
 }
 
-void OrderCell(const detail::PlaneLayout& layout,
-               const detail::Columns& objects, const AxisWeights& weights,
-               const Kernels& kernels, std::byte* scratch, std::uint32_t* ids,
-               std::size_t count, std::size_t first_slot, const Runner& run) {
+void OrderCell(const PlaneLayout& layout, const Columns& objects,
+               const AxisWeights& weights, const Kernels& kernels,
+               std::byte* scratch, std::uint32_t* ids, std::size_t count,
+               std::size_t first_slot, const Runner& run) {
   auto* const entries = reinterpret_cast<Entry*>(scratch);
-  InDefaultFpMode(
+  dispatch::InDefaultFpMode(
       [&] { GatherEntries(layout, objects, kernels, ids, count, entries); });
   SortAllByMedians(entries, count, {weights, first_slot}, run);
   for (std::size_t i = 0; i < count; ++i) ids[i] = entries[i].id;
 }
 
-const CurveKey* KeysByCurve(const detail::Columns& objects, std::size_t begin,
-                            std::size_t end, const detail::Grid& grid,
+const CurveKey* KeysByCurve(const Columns& objects, std::size_t begin,
+                            std::size_t end, const Grid& grid,
                             const Kernels& kernels, std::byte* scratch,
                             const Runner& run) {
   const std::size_t count = end - begin;
@@ -315,7 +311,7 @@ const CurveKey* KeysByCurve(const detail::Columns& objects, std::size_t begin,
   auto* to = from + count;
   // A radix sort, the lowest digit first.
   constexpr std::size_t kDigits = 3;
-  constexpr std::uint32_t kDigitBits = detail::kPlaceBits / kDigits;
+  constexpr std::uint32_t kDigitBits = kPlaceBits / kDigits;
   std::array<std::array<std::uint32_t, 1u << kDigitBits>, kDigits> starts{};
   const auto digit_of = [](const CurveKey& key, std::size_t digit) {
     return key.place >> digit * kDigitBits & ((1u << kDigitBits) - 1);
@@ -345,10 +341,9 @@ const CurveKey* KeysByCurve(const detail::Columns& objects, std::size_t begin,
   return from;
 }
 
-void OrderByCurve(const detail::PlaneLayout& layout,
-                  const detail::Columns& objects, const AxisWeights& weights,
-                  const Kernels& kernels, std::byte* scratch,
-                  std::uint32_t* ids, const Runner& run) {
+void OrderByCurve(const PlaneLayout& layout, const Columns& objects,
+                  const AxisWeights& weights, const Kernels& kernels,
+                  std::byte* scratch, std::uint32_t* ids, const Runner& run) {
   const std::size_t count = objects.size;
   const CurveKey* const keys =
       KeysByCurve(objects, 0, count, GridOf(objects, weights, kernels), kernels,
@@ -376,4 +371,4 @@ void OrderByCurve(const detail::PlaneLayout& layout,
   if (large.end != 0) order(large, scratch);
 }
 
-}  // namespace halfspace::dispatch
+}  // namespace halfspace::detail

@@ -9,7 +9,7 @@
 #include "dispatch/bvh/axes.h"
 #include "kernels/bvh/block.h"
 
-namespace halfspace::dispatch {
+namespace halfspace::detail {
 
 // Bytes of scratch memory for each object, aligned to 16.
 inline constexpr std::size_t kOrderScratch = 16;
@@ -17,16 +17,16 @@ inline constexpr std::size_t kOrderScratch = 16;
 // By medians of the axis on which the centers are spread widest, in units of
 // the weights. Each median is rounded to a multiple of the largest full node,
 // until 64 objects are left. ids[p] becomes the object at position p.
-void OrderByMedians(const detail::Columns& objects, const AxisWeights& weights,
-                    const detail::BvhKernels::OfPlanes& kernels,
-                    std::byte* scratch, std::uint32_t* ids, const Runner& run);
+void OrderByMedians(const Columns& objects, const AxisWeights& weights,
+                    const BvhKernels::OfPlanes& kernels, std::byte* scratch,
+                    std::uint32_t* ids, const Runner& run);
 
 // Along Hilbert's curve through 2^30 cells, in linear time, and in a cell of
 // more than 64 objects by medians.
-void OrderByCurve(const detail::PlaneLayout& layout,
-                  const detail::Columns& objects, const AxisWeights& weights,
-                  const detail::BvhKernels::OfPlanes& kernels,
-                  std::byte* scratch, std::uint32_t* ids, const Runner& run);
+void OrderByCurve(const PlaneLayout& layout, const Columns& objects,
+                  const AxisWeights& weights,
+                  const BvhKernels::OfPlanes& kernels, std::byte* scratch,
+                  std::uint32_t* ids, const Runner& run);
 
 // The parts of OrderByCurve().
 
@@ -38,9 +38,9 @@ static_assert(2 * sizeof(CurveKey) == kOrderScratch);
 
 // Returns the keys of objects begin ... end - 1, sorted by place, and by id
 // where places are equal. The keys are in the scratch memory.
-const CurveKey* KeysByCurve(const detail::Columns& objects, std::size_t begin,
-                            std::size_t end, const detail::Grid& grid,
-                            const detail::BvhKernels::OfPlanes& kernels,
+const CurveKey* KeysByCurve(const Columns& objects, std::size_t begin,
+                            std::size_t end, const Grid& grid,
+                            const BvhKernels::OfPlanes& kernels,
                             std::byte* scratch, const Runner& run);
 
 // Calls function(begin, end) for the positions of each cell of more than 64
@@ -51,18 +51,17 @@ void ForCrowdedCells(std::size_t count, const PlaceOf& place_of,
   for (std::size_t begin = 0, end; begin < count; begin = end) {
     end = begin + 1;
     while (end < count && place_of(end) == place_of(begin)) ++end;
-    if (end - begin > detail::kBlockObjects) function(begin, end);
+    if (end - begin > kBlockObjects) function(begin, end);
   }
 }
 
 // Orders the ids of the `count` objects of a cell, which come to the slots from
 // `first_slot` on, by medians.
-void OrderCell(const detail::PlaneLayout& layout,
-               const detail::Columns& objects, const AxisWeights& weights,
-               const detail::BvhKernels::OfPlanes& kernels, std::byte* scratch,
-               std::uint32_t* ids, std::size_t count, std::size_t first_slot,
-               const Runner& run);
+void OrderCell(const PlaneLayout& layout, const Columns& objects,
+               const AxisWeights& weights, const BvhKernels::OfPlanes& kernels,
+               std::byte* scratch, std::uint32_t* ids, std::size_t count,
+               std::size_t first_slot, const Runner& run);
 
-}  // namespace halfspace::dispatch
+}  // namespace halfspace::detail
 
 #endif  // HALFSPACE_DISPATCH_BVH_ORDER_H_

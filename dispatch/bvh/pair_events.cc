@@ -27,8 +27,6 @@ namespace halfspace::detail {
 
 PairList::PairList(const PairList& other, const MemoryResource& memory)
     : PairList(memory) {
-  if (other.size_ == 0) return;
-  Grow(other.size_);
   Append(other.span());
 }
 
@@ -285,6 +283,10 @@ class Difference {
 
   // Finds the pairs of only one list, sorted. If this throws, nothing has
   // changed.
+  //
+  // MatchSorted() alone would do. The two passes before it remove pairs of both
+  // lists, so that fewer are sorted: MatchNear() those at nearly the same place
+  // of both lists, MatchFar() those at any place.
   void Find(PairList& ended, PairList& began) {
     MatchNear();
     MatchFar();
@@ -547,7 +549,9 @@ void PairEventsCore::Update(const PairSources& sources,
       return UpdateSome(sources, options, filter);
     }
   }
-  UpdateAll({sources.kernels, sources.a, nullptr, nullptr}, options, filter);
+  const PairSources all = {
+      .kernels = sources.kernels, .a = sources.a, .b = nullptr, .ids = nullptr};
+  UpdateAll(all, options, filter);
 }
 
 void PairEventsCore::UpdateAll(const PairSources& sources,
@@ -580,7 +584,8 @@ void PairEventsCore::UpdateSome(const PairSources& sources,
     present = {some, static_cast<std::size_t>(end - some)};
   }
   PairList found(of_call.resource());
-  const PairSources of_present = {sources.kernels, &tree, nullptr, &present};
+  const PairSources of_present = {
+      .kernels = sources.kernels, .a = &tree, .b = nullptr, .ids = &present};
   Search(of_present, options, filter).Run(0, found);
   const IdSet changed(of_call.resource(), ids, id_limit_);
   Removal removal(pairs_, of_call.resource());

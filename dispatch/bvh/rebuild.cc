@@ -194,7 +194,7 @@ void BvhTree::Rebuild(const BuildOptions& options) {
   BvhState sorted(tree.type_, tree.memory_);
   sorted.BuildIn({size, has_slots ? ids : 0, tree.header().has_masks != 0},
                  objects.columns(), options,
-                 dispatch::AxisWeights::Unpack(tree.header().weights));
+                 AxisWeights::Unpack(tree.header().weights));
   BvhLevels& levels = sorted.levels_;
   if (has_slots && size > 0) {
     std::fill_n(levels.slots, ids, kNoId);
@@ -228,19 +228,17 @@ std::size_t BvhState::Resort(const char* call, Span<const SlotRange> ranges,
   const Columns& columns = gathered.columns();
   const Scratch order(memory_, columns.size * sizeof(std::uint32_t));
   auto* const elements = reinterpret_cast<std::uint32_t*>(order.data());
-  const Scratch scratch(memory_, columns.size * dispatch::kOrderScratch);
+  const Scratch scratch(memory_, columns.size * kOrderScratch);
   const bool is_all = ranges[0].end - ranges[0].begin == slots();
-  auto weights = dispatch::AxisWeights::Unpack(header().weights);
-  if (header().weights == dispatch::AxisWeights::kNone ||
-      (is_all && !weights.is_given)) {
-    weights = dispatch::WeightsOf(type_, columns, kernels, std::nullopt);
+  auto weights = AxisWeights::Unpack(header().weights);
+  if (header().weights == AxisWeights::kNone || (is_all && !weights.is_given)) {
+    weights = WeightsOf(type_, columns, kernels, std::nullopt);
   }
   if (quality == BuildQuality::kFast) {
-    dispatch::OrderByCurve(type_, columns, weights, kernels, scratch.data(),
-                           elements, run);
+    OrderByCurve(type_, columns, weights, kernels, scratch.data(), elements,
+                 run);
   } else {
-    dispatch::OrderByMedians(columns, weights, kernels, scratch.data(),
-                             elements, run);
+    OrderByMedians(columns, weights, kernels, scratch.data(), elements, run);
   }
   Prepare(call, {});
   if (is_all) header().weights = weights.Pack();

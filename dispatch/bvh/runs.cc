@@ -13,8 +13,6 @@
 namespace halfspace::detail {
 namespace {
 
-using dispatch::CurveKey;
-
 // A key, then the planes.
 std::size_t RecordBytes(const PlaneLayout& layout) {
   return sizeof(CurveKey) + layout.plane_count * sizeof(float);
@@ -109,19 +107,19 @@ bool BvhState::IsSortedInRuns(std::size_t objects,
 
 std::size_t BvhState::RunObjects(const BuildOptions& options) const {
   return std::max<std::size_t>(
-      1, options.run_bytes / (dispatch::kOrderScratch + RecordBytes(type_)));
+      1, options.run_bytes / (kOrderScratch + RecordBytes(type_)));
 }
 
 // Orders the objects in slots begin ... end - 1 by medians.
 void BvhState::SortSlots(std::size_t begin, std::size_t end,
-                         const dispatch::AxisWeights& weights,
+                         const AxisWeights& weights,
                          const BvhKernels::OfPlanes& kernels,
                          const Runner& run) {
   const std::size_t count = end - begin;
   const BvhLevel& level = levels_.level[0];
   const Scratch floats(memory_, count * type_.plane_count * sizeof(float));
   const Scratch ids(memory_, 2 * count * sizeof(std::uint32_t));
-  const Scratch scratch(memory_, count * dispatch::kOrderScratch);
+  const Scratch scratch(memory_, count * kOrderScratch);
   auto* const values = reinterpret_cast<float*>(floats.data());
   auto* const order = reinterpret_cast<std::uint32_t*>(ids.data());
   std::uint32_t* const old_ids = order + count;
@@ -136,8 +134,8 @@ void BvhState::SortSlots(std::size_t begin, std::size_t end,
     order[i] = static_cast<std::uint32_t>(i);
     old_ids[i] = levels_.ids[begin + i];
   }
-  dispatch::OrderCell(type_, columns, weights, kernels, scratch.data(), order,
-                      count, begin, run);
+  OrderCell(type_, columns, weights, kernels, scratch.data(), order, count,
+            begin, run);
   for (std::size_t i = 0; i < count; ++i) {
     levels_.ids[begin + i] = old_ids[order[i]];
     for (std::size_t p = 0; p < type_.plane_count; ++p) {
@@ -147,7 +145,7 @@ void BvhState::SortSlots(std::size_t begin, std::size_t end,
 }
 
 void BvhState::BuildInRuns(const BvhRoom& room, const Columns& objects,
-                           const dispatch::AxisWeights& weights,
+                           const AxisWeights& weights,
                            const BvhKernels::OfPlanes& kernels,
                            const BuildOptions& options) {
   const std::size_t count = objects.size;
@@ -155,13 +153,13 @@ void BvhState::BuildInRuns(const BvhRoom& room, const Columns& objects,
   const std::size_t record_bytes = RecordBytes(type_);
   const Scratch records(memory_, count * record_bytes);
   {
-    const Grid grid = dispatch::GridOf(objects, weights, kernels);
-    const Scratch scratch(memory_, run_objects * dispatch::kOrderScratch);
+    const Grid grid = GridOf(objects, weights, kernels);
+    const Scratch scratch(memory_, run_objects * kOrderScratch);
     for (std::size_t begin = 0; begin < count; begin += run_objects) {
       const std::size_t end = std::min(count, begin + run_objects);
       WriteRun(type_, objects,
-               dispatch::KeysByCurve(objects, begin, end, grid, kernels,
-                                     scratch.data(), options.run),
+               KeysByCurve(objects, begin, end, grid, kernels, scratch.data(),
+                           options.run),
                end - begin, records.data() + begin * record_bytes);
     }
   }

@@ -1,12 +1,13 @@
 // Makes the numbers that the kernels of a query shape read. They are rounded so
 // that every bound that touches the exact shape is found (docs/bvh.md).
-#include "kernels/bvh/shape_query.h"
+#include "dispatch/bvh/shape_query.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
+#include "dispatch/outward.h"
 #include "kernels/bvh/block.h"
 #include "kernels/compiler.h"
 
@@ -14,11 +15,15 @@ namespace halfspace::detail {
 
 namespace {
 
-float RoundedDown(double value) { return -RoundedUp(-value); }
+using dispatch::RoundUpLoosely;
+float RoundDownLoosely(double value) { return -RoundUpLoosely(-value); }
 
-// A limit for squared distances, which kernels compute in any mode: those of
-// all points within the radius are not above it. It is at least the square of r
-// (1 + 2^-19) + 2^-120, after all rounding.
+// Returns the limit of squared distances. In any mode, a kernel computes at
+// most ((1 + 2^-20) r + 2^-123)^2 for a point within the radius r. The limit is
+// at least ((1 + 2^-19) r + 2^-120)^2 + 2^-125: the square of 1 + 2^-19 takes
+// 2^-18 of the factor, and three roundings and the product of r and 2^-120 take
+// less than the 2^-21 that are left. An overflow can be the greatest float, so
+// a limit near it is infinite. docs/bvh.md has the proof.
 float SquaredLimit(float radius) {
   const float limit = radius * radius * (1 + 0x1.2p-18f) + 0x1p-124f;
   if (limit >= 0x1.fffffp127f) return std::numeric_limits<float>::infinity();
@@ -49,8 +54,8 @@ void MakeBall(const PlaneLayout& planes, const float* low, const float* high,
     most -= low[k];
     width += 0x1p-50 * (std::abs(double{low[k]}) + std::abs(double{high[k]}));
   }
-  ball.d_min = RoundedDown(least - width);
-  ball.d_max = RoundedUp(most + width);
+  ball.d_min = RoundDownLoosely(least - width);
+  ball.d_max = RoundUpLoosely(most + width);
 }
 
 void MakeLine(const PlaneLayout& planes, const double* low, const double* high,
@@ -158,7 +163,7 @@ void MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
       test.term[terms++] = {k, k, normal[k], normal[k]};
     }
     // A sphere reaches as far as its radius times the length of the normal.
-    const float length = RoundedUp(std::sqrt(squared) * (1 + 0x1p-50));
+    const float length = RoundUpLoosely(std::sqrt(squared) * (1 + 0x1p-50));
     test.term[terms] = {terms, terms, length, length};
     ++terms;
   } else {
@@ -172,7 +177,8 @@ void MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
     for (std::uint32_t k = 0; k <= planes.dims; ++k) {
       const double factor = (k < planes.dims ? normal[k] : 0) - most;
       if (factor == 0) continue;
-      test.term[terms++] = {k, k, RoundedUp(factor), RoundedDown(factor)};
+      test.term[terms++] = {k, k, RoundUpLoosely(factor),
+                            RoundDownLoosely(factor)};
     }
   }
   test.terms = terms;
@@ -197,11 +203,11 @@ bool AddToBox(const float* normal, float offset, std::size_t dims,
   if (normal[axis] < 0) {
     if (side >= 0x1p127) return true;
     tests.high[axis] =
-        std::min(tests.high[axis], RoundedUp(std::max(side, -0x1p127)));
+        std::min(tests.high[axis], RoundUpLoosely(std::max(side, -0x1p127)));
   } else {
     if (side <= -0x1p127) return true;
     tests.low[axis] =
-        std::max(tests.low[axis], RoundedDown(std::min(side, 0x1p127)));
+        std::max(tests.low[axis], RoundDownLoosely(std::min(side, 0x1p127)));
   }
   return true;
 }

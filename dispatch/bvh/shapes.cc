@@ -9,15 +9,16 @@
 #include <string>
 
 #include "dispatch/bvh/layout.h"
+#include "dispatch/bvh/shape_query.h"
 #include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/fit/bounding.h"
+#include "dispatch/outward.h"
 #include "dispatch/targets/chosen_target.h"
 #include "halfspace/bvh.h"
 #include "halfspace/bvh_shapes.h"
 #include "halfspace/fit.h"
-#include "kernels/bvh/shape_query.h"
 
 namespace halfspace::detail {
 namespace {
@@ -144,7 +145,8 @@ class Prepared {
   // if a number is NaN.
   void SetLargerBox() {
     const auto sum = [](double a, double b) {
-      return std::isinf(a + b) ? static_cast<float>(a + b) : RoundedUp(a + b);
+      return std::isinf(a + b) ? static_cast<float>(a + b)
+                               : dispatch::RoundUpLoosely(a + b);
     };
     const double radius = RadiusOf(query_);
     is_ = kBounds;
@@ -244,8 +246,8 @@ class Prepared {
       }
       is_finite &= std::isfinite(middle) && std::isfinite(reach);
       reach += (std::abs(middle) + reach) * 0x1p-48;
-      half_spaces_.low[k] = -RoundedUp(reach - middle);
-      half_spaces_.high[k] = RoundedUp(reach + middle);
+      half_spaces_.low[k] = -dispatch::RoundUpLoosely(reach - middle);
+      half_spaces_.high[k] = dispatch::RoundUpLoosely(reach + middle);
     }
     for (std::size_t k = 0; k < kDims && !is_finite; ++k) {
       half_spaces_.low[k] = -kInf<float>;
@@ -282,9 +284,9 @@ class Prepared {
       reach += std::abs(along * half_extents[a]);
     }
     reach += size * 0x1p-48;
-    AddHalfSpace(up, RoundedUp(reach - middle));
+    AddHalfSpace(up, dispatch::RoundUpLoosely(reach - middle));
     for (float& component : up) component = -component;
-    AddHalfSpace(up, RoundedUp(reach + middle));
+    AddHalfSpace(up, dispatch::RoundUpLoosely(reach + middle));
   }
 
   void AddHalfSpace(const float* normal, float offset) {

@@ -124,7 +124,7 @@ void BvhState::Allocate(const BvhRoom& room) {
   header.bytes = bytes;
   header.capacity = static_cast<std::uint32_t>(room.slots);
   header.id_room = static_cast<std::uint32_t>(room.ids);
-  header.weights = dispatch::AxisWeights::kNone;
+  header.weights = AxisWeights::kNone;
   for (float& base : levels_.map->base) base = 0;
   for (float& scale : levels_.map->scale) scale = 1;
 }
@@ -161,28 +161,27 @@ void BvhState::CheckBuild(std::size_t objects,
 }
 
 void BvhState::BuildIn(const BvhRoom& room, const Columns& objects,
-                       const BuildOptions& options,
-                       const dispatch::AxisWeights& kept) {
+                       const BuildOptions& options, const AxisWeights& kept) {
   constexpr const char* kCall = "Bvh";
   CheckBuild(objects.size, options);
   const BvhKernels::OfPlanes& kernels =
       KernelsFor(type_, options.target, kCall);
   if (objects.size == 0) return Free();
-  const dispatch::AxisWeights weights =
+  const AxisWeights weights =
       kept.is_given && !options.query_extents
           ? kept
-          : dispatch::WeightsOf(type_, objects, kernels, options.query_extents);
+          : WeightsOf(type_, objects, kernels, options.query_extents);
   if (IsSortedInRuns(objects.size, options)) {
     BuildInRuns(room, objects, weights, kernels, options);
   } else {
-    const Scratch scratch(memory_, objects.size * dispatch::kOrderScratch);
+    const Scratch scratch(memory_, objects.size * kOrderScratch);
     Allocate(room);
     if (options.quality == BuildQuality::kFast) {
-      dispatch::OrderByCurve(type_, objects, weights, kernels, scratch.data(),
-                             levels_.ids, options.run);
+      OrderByCurve(type_, objects, weights, kernels, scratch.data(),
+                   levels_.ids, options.run);
     } else {
-      dispatch::OrderByMedians(objects, weights, kernels, scratch.data(),
-                               levels_.ids, options.run);
+      OrderByMedians(objects, weights, kernels, scratch.data(), levels_.ids,
+                     options.run);
     }
     Truncate(type_, levels_, objects.size);
     FillPresent(levels_.level[0], objects.size);

@@ -48,9 +48,9 @@ class BvhState {
   // `changed` has WordsOfChanges() words, which are 0 after the words of the
   // slots. The tree must have changed by id before. No call allocates.
   void PrepareRefit() { Prepare("Bvh::Refit", {}); }
-  // After a change, for a caller that sorts by itself: insertions until now do
-  // not count towards a sort of all.
-  void PutOffSort() { header().inserted = 0; }
+  // Called after a change by a caller that sorts by itself: objects that were
+  // inserted until now do not count towards a sort of all.
+  void ResetInsertions() { header().inserted = 0; }
   // Becomes a copy, in its own memory if both have equal room. If it throws,
   // nothing has changed.
   void CopyFrom(const BvhState& other);
@@ -80,16 +80,15 @@ class BvhState {
   // `kept` are the weights of the options of an earlier build, if they were
   // given.
   void BuildIn(const BvhRoom& room, const Columns& objects,
-               const BuildOptions& options, const dispatch::AxisWeights& kept);
+               const BuildOptions& options, const AxisWeights& kept);
   // Builds in parts that fit into memory (runs.cc).
   std::size_t RunObjects(const BuildOptions& options) const;
   bool IsSortedInRuns(std::size_t objects, const BuildOptions& options) const;
   void BuildInRuns(const BvhRoom& room, const Columns& objects,
-                   const dispatch::AxisWeights& weights,
+                   const AxisWeights& weights,
                    const BvhKernels::OfPlanes& kernels,
                    const BuildOptions& options);
-  void SortSlots(std::size_t begin, std::size_t end,
-                 const dispatch::AxisWeights& weights,
+  void SortSlots(std::size_t begin, std::size_t end, const AxisWeights& weights,
                  const BvhKernels::OfPlanes& kernels, const Runner& run);
   // Throws if ids and slots contradict each other, as in an altered blob:
   // changes would write outside of the memory.

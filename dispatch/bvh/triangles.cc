@@ -271,7 +271,7 @@ class ClosestOnTriangle {
 
 }  // namespace
 
-float dispatch::HitOf(const Ray<3>& ray, const Triangle<3>& triangle) {
+float detail::HitOf(const Ray<3>& ray, const Triangle<3>& triangle) {
   constexpr float kMiss = std::numeric_limits<float>::infinity();
   const std::array<const Point<3>*, 3> corners = {&triangle.a, &triangle.b,
                                                   &triangle.c};
@@ -313,8 +313,8 @@ float dispatch::HitOf(const Ray<3>& ray, const Triangle<3>& triangle) {
   return rounded <= ray.max_t ? rounded : kMiss;
 }
 
-TrianglePoint dispatch::ClosestOf(const Point<3>& point,
-                                  const Triangle<3>& triangle) {
+TrianglePoint detail::ClosestOf(const Point<3>& point,
+                                const Triangle<3>& triangle) {
   const Vector way = ClosestOnTriangle(point, triangle).Find();
   TrianglePoint result;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -326,12 +326,12 @@ TrianglePoint dispatch::ClosestOf(const Point<3>& point,
 
 float HitTriangle(const Ray<3>& ray, const Triangle<3>& triangle) {
   return dispatch::InDefaultFpMode(
-      [&] { return dispatch::HitOf(ray, triangle); });
+      [&] { return detail::HitOf(ray, triangle); });
 }
 
 TrianglePoint ClosestPoint(const Point<3>& point, const Triangle<3>& triangle) {
   return dispatch::InDefaultFpMode(
-      [&] { return dispatch::ClosestOf(point, triangle); });
+      [&] { return detail::ClosestOf(point, triangle); });
 }
 
 }  // namespace halfspace

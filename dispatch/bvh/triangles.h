@@ -4,11 +4,11 @@
 
 #include "halfspace/triangles.h"
 
-namespace halfspace::dispatch {
+namespace halfspace::detail {
 
 float HitOf(const Ray<3>& ray, const Triangle<3>& triangle);
 TrianglePoint ClosestOf(const Point<3>& point, const Triangle<3>& triangle);
 
-}  // namespace halfspace::dispatch
+}  // namespace halfspace::detail
 
 #endif  // HALFSPACE_DISPATCH_BVH_TRIANGLES_H_

@@ -51,7 +51,8 @@ inline void CheckPointer(std::string_view call, const void* pointer,
                "memory for " + std::to_string(size) + " elements");
 }
 
-// The same for memory of `size` elements; any will do for none.
+// Throws unless there is aligned memory for `size` elements. If `size` is 0,
+// any pointer is valid.
 inline void CheckMemory(std::string_view call, std::string_view argument,
                         const void* memory, std::size_t size,
                         std::size_t alignment) {

@@ -9,9 +9,9 @@
 
 namespace halfspace::dispatch {
 
-// Calls function<kDims>().
+// Returns function<kDims>().
 template <typename Function>
-void WithDims(int dims, const Function& function) {
+auto WithDims(int dims, const Function& function) {
   switch (dims) {
     case 2:
       return function.template operator()<2>();

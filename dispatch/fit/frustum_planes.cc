@@ -11,8 +11,8 @@
 #include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
+#include "dispatch/outward.h"
 #include "halfspace/frustum.h"
-#include "kernels/bvh/shape_query.h"
 
 namespace halfspace {
 namespace {
@@ -194,7 +194,7 @@ class Frustum {
       }
     }
     if (!(std::abs(offset) < 0x1p126)) return {};
-    result.offset = detail::RoundedUp(offset);
+    result.offset = dispatch::RoundUpLoosely(offset);
     return result;
   }
 

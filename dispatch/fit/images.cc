@@ -119,7 +119,7 @@ std::optional<Aabo<kDims>> TryOrientedBox(
   return TryBox<kDims, Scalar>(min, box.half_extents, map);
 }
 
-// The same numbers as `To`.
+// Converts each number to the type `To`.
 template <typename To, typename From, std::size_t kCount>
 std::array<To, kCount> As(const std::array<From, kCount>& from) {
   std::array<To, kCount> to;

@@ -10,6 +10,7 @@
 
 #include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
+#include "dispatch/fit/any_shape.h"
 #include "dispatch/fit/bounding.h"
 #include "dispatch/outward.h"
 #include "halfspace/detail/plane_arrays.h"
@@ -35,9 +36,9 @@ bool IsValid(float minimum) {
 // Whether test(minimum) is true for each minimum and mirrored maximum.
 template <typename Test>
 bool AreAll(const AnyBound& bound, const float* values, const Test& test) {
-  const float* const maxima = values + bound.minima;
+  const float* const maxima = values + bound.min_count;
   return std::all_of(values, maxima, test) &&
-         std::all_of(maxima, maxima + bound.maxima,
+         std::all_of(maxima, maxima + bound.max_count,
                      [&](float max) { return test(-max); });
 }
 
@@ -45,26 +46,21 @@ bool IsEmpty(const AnyBound& bound, const float* values) {
   return AreAll(bound, values, [](float v) { return v >= kMax<float>; });
 }
 
-void Fill(const AnyBound& bound, float minimum) {
-  std::fill_n(bound.values, bound.minima, minimum);
-  std::fill_n(bound.values + bound.minima, bound.maxima, -minimum);
-}
-
-// Calls function(dims) with the number of dimensions as a constant.
-template <typename Function>
-auto WithDims(const AnyBound& bound, const Function& function) {
-  if (bound.dims == 2) return function(std::integral_constant<int, 2>());
-  if (bound.dims == 3) return function(std::integral_constant<int, 3>());
-  return function(std::integral_constant<int, 4>());
+void Fill(AnyBound& bound, float minimum) {
+  std::fill_n(bound.values, bound.min_count, minimum);
+  std::fill_n(bound.values + bound.min_count, bound.max_count, -minimum);
 }
 
 // Calls try_change(dims), which replaces the values or returns false if they
 // cannot be bounded, in the default mode. Counts the result.
 template <typename TryChange>
-void Build(const AnyBound& bound, FitStatus* status,
-           const TryChange& try_change) {
+void Build(AnyBound& bound, FitStatus* status, const TryChange& try_change) {
   dispatch::InDefaultFpMode([&] {
-    if (!WithDims(bound, try_change)) Fill(bound, kUnbounded);
+    const bool is_bounded =
+        dispatch::WithDims(static_cast<int>(bound.dims), [&]<int kDims>() {
+          return try_change(std::integral_constant<int, kDims>());
+        });
+    if (!is_bounded) Fill(bound, kUnbounded);
     if (status == nullptr) return;
     const bool is_everything =
         AreAll(bound, bound.values, [](float v) { return v == kUnbounded; });
@@ -80,7 +76,7 @@ void Build(const AnyBound& bound, FitStatus* status,
 // Returns false if a value cannot be bounded, or if the amount of the change is
 // not finite: the result is then Everything(). An Empty() bound stays Empty().
 template <std::size_t kDims, typename ChangeAxis, typename ChangeD>
-bool ChangePlanes(const AnyBound& bound, bool is_finite,
+bool ChangePlanes(AnyBound& bound, bool is_finite,
                   const ChangeAxis& change_axis, const ChangeD& change_d) {
   if (IsEmpty(bound, bound.values)) {
     Fill(bound, kInf<float>);
@@ -105,8 +101,8 @@ bool ChangePlanes(const AnyBound& bound, bool is_finite,
     set(values[kDims], sign,
         [&](float minimum) { return change_d(minimum, sign); });
   };
-  change_side(bound.values, bound.minima, 1.0f);
-  change_side(bound.values + bound.minima, bound.maxima, -1.0f);
+  change_side(bound.values, bound.min_count, 1.0f);
+  change_side(bound.values + bound.min_count, bound.max_count, -1.0f);
   return ok;
 }
 
@@ -123,17 +119,17 @@ float Plus(float minimum, double more) {
 }
 
 // Minima and maxima change places.
-void Mirror(const AnyBound& bound) {
-  for (std::size_t k = 0; k < bound.minima; ++k) {
+void Mirror(AnyBound& bound) {
+  for (std::size_t k = 0; k < bound.min_count; ++k) {
     const float min = bound.values[k];
-    bound.values[k] = -bound.values[bound.minima + k];
-    bound.values[bound.minima + k] = -min;
+    bound.values[k] = -bound.values[bound.min_count + k];
+    bound.values[bound.min_count + k] = -min;
   }
 }
 
 }  // namespace
 
-void Merge(const AnyBound& bound, const float* other, FitStatus* status) {
+void Merge(AnyBound& bound, const float* other, FitStatus* status) {
   Build(bound, status, [&](auto) {
     const float* const a = IsEmpty(bound, bound.values) ? other : bound.values;
     const float* const b = IsEmpty(bound, other) ? bound.values : other;
@@ -148,14 +144,14 @@ void Merge(const AnyBound& bound, const float* other, FitStatus* status) {
       ok &= IsValid(one) && IsValid(two);
       bound.values[i] = sign * std::min(one, two);
     };
-    const std::size_t count = bound.minima + bound.maxima;
-    for (std::size_t i = 0; i < bound.minima; ++i) merge(i, 1.0f);
-    for (std::size_t i = bound.minima; i < count; ++i) merge(i, -1.0f);
+    const std::size_t count = bound.min_count + bound.max_count;
+    for (std::size_t i = 0; i < bound.min_count; ++i) merge(i, 1.0f);
+    for (std::size_t i = bound.min_count; i < count; ++i) merge(i, -1.0f);
     return ok;
   });
 }
 
-void Inflate(const AnyBound& bound, float radius, FitStatus* status) {
+void Inflate(AnyBound& bound, float radius, FitStatus* status) {
   Build(bound, status, [&](auto dims) {
     dispatch::CheckLength("Inflate", "radius", radius);
     return ChangePlanes<dims>(
@@ -171,7 +167,7 @@ void Inflate(const AnyBound& bound, float radius, FitStatus* status) {
   });
 }
 
-void InflateByBox(const AnyBound& bound, float margin, FitStatus* status) {
+void InflateByBox(AnyBound& bound, float margin, FitStatus* status) {
   Build(bound, status, [&](auto dims) {
     dispatch::CheckLength("InflateByBox", "margin", margin);
     return ChangePlanes<dims>(
@@ -185,7 +181,7 @@ void InflateByBox(const AnyBound& bound, float margin, FitStatus* status) {
   });
 }
 
-void Translate(const AnyBound& bound, const float* by, FitStatus* status) {
+void Translate(AnyBound& bound, const float* by, FitStatus* status) {
   Build(bound, status, [&](auto dims) {
     return ChangePlanes<dims>(
         bound, IsFinite<dims>(by),
@@ -202,14 +198,13 @@ void Translate(const AnyBound& bound, const float* by, FitStatus* status) {
 
 // In float, to nearest, as the vertices are. Rounding is monotone, so the least
 // vertex stays the least.
-void TranslateVertices(const AnyBound& bound, const float* by,
-                       FitStatus* status) {
+void TranslateVertices(AnyBound& bound, const float* by, FitStatus* status) {
   Build(bound, status, [&](auto dims) {
     // Rounding moves a coordinate by half an ulp at most: 2^-24 of it.
     std::array<double, dims> rounded;
     for (std::size_t k = 0; k < dims; ++k) {
       const float low = bound.values[k] + by[k];
-      const float high = bound.values[bound.minima + k] + by[k];
+      const float high = bound.values[bound.min_count + k] + by[k];
       rounded[k] = 0x1p-24 * std::max(std::fabs(low), std::fabs(high));
     }
     return ChangePlanes<dims>(
@@ -228,9 +223,9 @@ void TranslateVertices(const AnyBound& bound, const float* by,
   });
 }
 
-void Scale(const AnyBound& bound, float factor, FitStatus* status) {
+void Scale(AnyBound& bound, float factor, FitStatus* status) {
   Build(bound, status, [&](auto dims) {
-    const bool has_both_sides = bound.minima != 0 && bound.maxima != 0;
+    const bool has_both_sides = bound.min_count != 0 && bound.max_count != 0;
     if (has_both_sides ? std::isnan(factor) : !(factor >= 0.f)) {
       dispatch::ThrowInvalid(
           "Scale", "factor",

@@ -271,8 +271,8 @@ void VisitChunks(const Scan& scan, Place& place, const Visit& visit) {
   if (visited) refine(last);
 }
 
-// The same with rows on the stack, and `tested` always says which words are
-// nonzero. A function of its own, so that a call of one row needs neither its
+// Visits all chunks, with their rows on the stack. `tested` always says which
+// words are nonzero. Not inlined, so that a call of one row needs neither its
 // stack nor its registers.
 template <typename Queries, typename Visit>
 HALFSPACE_NOINLINE void VisitRows(const Scan& scan, const Visit& visit) {

@@ -7,7 +7,9 @@
 #include <cstdint>
 #include <limits>
 
+#include "dispatch/bvh/shape_query.h"
 #include "dispatch/default_fp_mode.h"
+#include "dispatch/scan/prepare.h"
 #include "dispatch/targets/chosen_target.h"
 #include "dispatch/targets/detect_targets.h"
 #include "halfspace/bounds.h"

@@ -15,6 +15,16 @@
 #include "halfspace/reject.h"
 #include "kernels/scan/kernel_table.h"
 
+namespace halfspace::detail {
+
+struct HalfSpaceQuery;
+
+// Called in the default floating-point mode.
+void MakeHalfSpaceQuery(const PlaneLayout& layout, const ShapeScan& shape,
+                        HalfSpaceQuery& query);
+
+}  // namespace halfspace::detail
+
 namespace halfspace::dispatch {
 
 inline constexpr auto kLastSchedule =
@@ -160,7 +170,7 @@ inline void ChooseKernel(detail::Scan& scan, const Options& options) {
                                 [static_cast<std::size_t>(options.schedule)];
   scan.is_streaming =
       (scan.end - scan.begin) * type.record_bytes > kInCacheBytes &&
-      scan.query_count == 1 && StreamingPays();
+      scan.query_count == 1 && IsStreamingFaster();
   if (scan.is_streaming) scan.kernel = kStreamingKernelOf[scan.kernel];
 }
 
@@ -185,7 +195,8 @@ inline std::size_t FewObjects(const detail::PlaneLayout& layout,
                                                    : kernels.few_objects;
 }
 
-// The same for any number of objects, by the schedule.
+// Writes the words of one query on any number of objects. Many objects are
+// tested as the schedule says.
 inline void WriteWords(detail::Scan& scan, const Options& options,
                        std::uint64_t* words) {
   const std::size_t objects = scan.end - scan.begin;

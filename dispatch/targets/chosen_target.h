@@ -36,7 +36,7 @@ inline std::size_t KnownIndexOf(Target target) {
          1;
 }
 
-// The same as ResolveIndex, without a call if it has been resolved before.
+// Returns ResolveIndex(), without a call if the target was resolved before.
 inline std::size_t IndexOf(Target target, const char* call) {
   const std::size_t known = KnownIndexOf(target);
   return known != kUnknownTarget ? known : ResolveIndex(target, call);

@@ -118,9 +118,9 @@ std::int64_t DetectTargets() {
          HWY_TARGETS;
 }
 
-bool StreamingPays() {
+bool IsStreamingFaster() {
 #if HWY_ARCH_X86
-  static const bool pays = StreamingPaysOn(ThisMachine());
+  static const bool pays = IsStreamingFasterOn(ThisMachine());
   return pays;
 #else
   return true;

@@ -156,13 +156,13 @@ constexpr std::uint32_t FamilyOf(const X86Machine& machine) {
 //   a Xeon of the Sapphire Rapids class
 //                             up to 1.26 in L2 (AABB, AVX-512), up to 1.13 in
 //                             memory (AABO, SSE4)
-constexpr bool StreamingPaysOn(const X86Machine& machine) {
+constexpr bool IsStreamingFasterOn(const X86Machine& machine) {
   return machine.is_amd && FamilyOf(machine) == 0x19 &&
          (TargetsOf(machine) & HWY_AVX3) != 0;
 }
 
-// The same for this machine. It is detected once.
-bool StreamingPays();
+// Returns IsStreamingFasterOn() of this machine, which is detected once.
+bool IsStreamingFaster();
 
 // Returns whether one query is tested faster with vectors of 512 bits than with
 // 256, if the target has both. On a Xeon (family 6 model 167) all scans took
@@ -173,7 +173,7 @@ constexpr bool WideVectorsPayOn(const X86Machine& machine) {
   return machine.is_intel && (TargetsOf(machine) & HWY_AVX3_DL) != 0;
 }
 
-// The same for this machine.
+// Returns WideVectorsPayOn() of this machine.
 bool DetectWideVectorsPay();
 
 }  // namespace halfspace::dispatch

@@ -175,9 +175,10 @@ template <typename Tree, typename View = detail::SearchedView<Tree>>
                                       ids, distances, options);
 }
 
-// The same for an Aabb. The distance between two boxes that overlap is 0. An
-// Empty() box finds nothing. `box.min` must not be greater than `box.max` on
-// any other box: the distances would have no meaning.
+// Finds the objects nearest to an Aabb, as those nearest to a point. The
+// distance between two boxes that overlap is 0. An Empty() box finds nothing.
+// `box.min` must not be greater than `box.max` on any other box: the distances
+// would have no meaning.
 template <
     typename Tree, typename Box, typename View = detail::SearchedView<Tree>,
     typename =

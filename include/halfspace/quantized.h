@@ -120,7 +120,7 @@ class QuantizedBounds {
   }
   void Requantize(const World<FloatView>& floats) { Requantize(floats.view()); }
 
-  // The same for an array of bounds.
+  // As Requantize() of a view, for an array of bounds.
   void Requantize(Span<const Bound> bounds) {
     planes_.Requantize(detail::ColumnsOf(bounds));
   }

@@ -30,8 +30,9 @@ class Target {
   // supported here.
   HALFSPACE_API std::size_t lanes() const;
 
-  // The same of the vectors that test one query on more than 64 objects. With
-  // AVX-512 they have 8 or 16 lanes, whichever is faster on this CPU.
+  // Returns the number of float lanes of the vectors that test one query on
+  // more than 64 objects. With AVX-512 it is 8 or 16, whichever is faster on
+  // this CPU. Elsewhere it is lanes().
   HALFSPACE_API std::size_t one_query_lanes() const;
 
   // Returns Highway's bit (HWY_AVX2 and so on), or 0 for a default handle. The

@@ -57,27 +57,25 @@ using IfBoundOfFloats =
 template <typename Bound>
 using IfClosed = std::enable_if_t<HasMin<Bound> && HasMax<Bound>>;
 
-// A bound of any type as a list of values, its minima and then its maxima, of
-// which a call replaces all. Axis `dims` is D.
+// The values of a bound of any type: all minima, then all maxima. The calls
+// below replace them.
 struct AnyBound {
   float* values;
-  std::size_t dims;
-  std::size_t minima;
-  std::size_t maxima;
+  std::size_t dims;       // axis `dims` is D
+  std::size_t min_count;  // 0, or the number of axes
+  std::size_t max_count;
 };
 
-HALFSPACE_API void Merge(const AnyBound& bound, const float* other,
+HALFSPACE_API void Merge(AnyBound& bound, const float* other,
                          FitStatus* status);
-HALFSPACE_API void Inflate(const AnyBound& bound, float radius,
-                           FitStatus* status);
-HALFSPACE_API void InflateByBox(const AnyBound& bound, float margin,
+HALFSPACE_API void Inflate(AnyBound& bound, float radius, FitStatus* status);
+HALFSPACE_API void InflateByBox(AnyBound& bound, float margin,
                                 FitStatus* status);
-HALFSPACE_API void Translate(const AnyBound& bound, const float* by,
+HALFSPACE_API void Translate(AnyBound& bound, const float* by,
                              FitStatus* status);
-HALFSPACE_API void TranslateVertices(const AnyBound& bound, const float* by,
+HALFSPACE_API void TranslateVertices(AnyBound& bound, const float* by,
                                      FitStatus* status);
-HALFSPACE_API void Scale(const AnyBound& bound, float factor,
-                         FitStatus* status);
+HALFSPACE_API void Scale(AnyBound& bound, float factor, FitStatus* status);
 
 // A bound that is returned in registers. Its values are read one by one,
 // because a load of two values would wait for the stores of both: 10 % of an
@@ -88,19 +86,20 @@ Bound ReadBound(const volatile float* values, std::index_sequence<kValue...>) {
   return BoundOf<Bound>(read);
 }
 
-// Calls change(any, argument, status) of a copy.
+// Returns a copy of the bound that change(copy, argument, status) has changed.
 template <typename Bound, typename Argument>
 Bound Changed(const Bound& bound,
-              void (*change)(const AnyBound&, Argument, FitStatus*),
+              void (*change)(AnyBound&, Argument, FitStatus*),
               Argument argument, FitStatus* status) {
   static_assert(Bound::kAxes >= Bound::kDimensions, "slot k is axis k");
   static_assert(std::is_standard_layout_v<Bound> &&
                     sizeof(Bound) == kPlaneCount<Bound> * sizeof(float),
                 "a bound is changed as a list of its values");
   Bound result = bound;
-  change({reinterpret_cast<float*>(&result), Bound::kDimensions,
-          HasMin<Bound> ? Bound::kAxes : 0, HasMax<Bound> ? Bound::kAxes : 0},
-         argument, status);
+  AnyBound any = {reinterpret_cast<float*>(&result), Bound::kDimensions,
+                  HasMin<Bound> ? Bound::kAxes : 0,
+                  HasMax<Bound> ? Bound::kAxes : 0};
+  change(any, argument, status);
   if constexpr (sizeof(Bound) <= 16) {
     return ReadBound<Bound>(reinterpret_cast<const float*>(&result),
                             std::make_index_sequence<kPlaneCount<Bound>>());

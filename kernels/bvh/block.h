@@ -56,7 +56,7 @@ struct Walk {
   const BvhLevels* levels;
   // Bounds, one after another: first all minima, then all maxima of each;
   // simplices have only maxima. Or one query shape in the form that its kernel
-  // reads (shape.h).
+  // reads (shape_query.h).
   const void* queries;
   std::size_t query_count;
   WalkIds* ids;         // to find

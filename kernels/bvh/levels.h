@@ -13,6 +13,10 @@ namespace halfspace::detail {
 // 64 to the power of this is more than 2^32.
 inline constexpr std::size_t kMostLevels = 6;
 
+// If a tree has room for more objects than this, its leaves have codes. So a
+// tree with codes has a level 2, where PlainWalk begins (walk-inl.h).
+inline constexpr std::size_t kMostWithoutCodes = kBlockObjects * kBlockObjects;
+
 // Level 0 has the objects. Node i of another level encloses block i of the
 // level below it: 64 consecutive objects or nodes.
 struct BvhLevel {
@@ -70,8 +74,8 @@ struct BvhLevels {
   std::size_t count = 0;
   std::array<BvhLevel, kMostLevels> level{};
   CodeMap* map = nullptr;
-  // Block after block as the floats of level 0. Null with room for up to 4096
-  // objects: a query then reads the floats.
+  // Block after block as the floats of level 0. Null with room for up to
+  // kMostWithoutCodes objects: a query then reads the floats.
   std::int16_t* codes = nullptr;
   std::uint32_t* ids = nullptr;  // of objects, by slot; kNoId of none
   // The slot of each id. A free id can have any number. Null until a change.

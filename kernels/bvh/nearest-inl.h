@@ -38,7 +38,7 @@ class NearestList {
         worst_(detail::Keyed(search.limit, ~uint32_t{0})) {}
 
   size_t count() const { return count_; }
-  // Objects beyond it are not found.
+  // The search passes over objects and nodes that are greater.
   detail::KeyedSlot worst() const { return worst_; }
 
   // Adds to a sorted list.
@@ -66,7 +66,7 @@ class NearestList {
   }
 
   void Sort() const {
-    detail::KeyedSlot differing = 1;
+    detail::KeyedSlot differing = 1;  // never 0, to have a highest bit
     for (size_t i = 1; i < count_; ++i) {
       differing |= found_[i] ^ found_[0];
     }
@@ -149,8 +149,9 @@ class NearestFinder {
   // More nodes than this are not sorted. The nearest is visited first, and
   // after that few are left.
   static constexpr size_t kFew = 4;
-  static constexpr size_t kGroups = 16;
-  static constexpr uint32_t kLanes = detail::kBlockObjects - 1;
+  static constexpr size_t kGroups = 16;  // of lanes, in OfLeastGroups()
+  // The lowest bits of a key, which AboutLeast() does not compare.
+  static constexpr uint32_t kLaneBits = detail::kBlockObjects - 1;
 
   HWY_NOINLINE void Visit(size_t level, size_t block) {
     HWY_ALIGN float keys[detail::kBlockObjects];
@@ -178,9 +179,10 @@ class NearestFinder {
     const detail::BvhLevel& below = search_.levels->level[level - 1];
     for (size_t i = 0; i < sorted.count; ++i) {
       const size_t place = first + sorted.LaneOf(i);
-      if (detail::Keyed(keys[sorted.LaneOf(i)], place << (6 * level)) >
-          list_.worst())
+      const size_t first_slot = place << (6 * level);
+      if (detail::Keyed(keys[sorted.LaneOf(i)], first_slot) > list_.worst()) {
         return;
+      }
       if (below.is_prefetched && i + 1 < sorted.count) {
         PrefetchPlanes(below, first + sorted.LaneOf(i + 1));
       }
@@ -194,9 +196,9 @@ class NearestFinder {
     if (!is_many_ && hwy::PopCount(bits) > kFew && search_.from == 0) {
       if (search_.room == 1) {
         const float least = keys[AboutLeast(keys, end)];
-        bits &= LanesUpTo(
-            kernels::BitCast<float>(kernels::BitCast<uint32_t>(least) | kLanes),
-            keys, end);
+        bits &= LanesUpTo(kernels::BitCast<float>(
+                              kernels::BitCast<uint32_t>(least) | kLaneBits),
+                          keys, end);
       } else {
         TakeSorted(first, bits, end, keys);
         return;
@@ -333,14 +335,14 @@ class NearestFinder {
   static HWY_INLINE size_t AboutLeast(const float* keys, size_t end) {
     const WordTag<float> d;
     const hn::RebindToUnsigned<decltype(d)> du;
-    const auto lanes = hn::Set(du, kLanes);
+    const auto lanes = hn::Set(du, kLaneBits);
     auto least = hn::Set(du, ~uint32_t{0});
     for (size_t i = 0; i < end; i += hn::Lanes(d)) {
       const auto key = hn::BitCast(du, hn::Load(d, keys + i));
       const auto lane = hn::Iota(du, static_cast<uint32_t>(i));
       least = hn::Min(least, hn::Or(hn::AndNot(lanes, key), lane));
     }
-    return hn::GetLane(hn::MinOfLanes(du, least)) & kLanes;
+    return hn::GetLane(hn::MinOfLanes(du, least)) & kLaneBits;
   }
 
   const detail::NearestSearch& search_;

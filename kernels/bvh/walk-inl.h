@@ -91,7 +91,7 @@ class PlaneQueries {
     return kept & InsideBits<kAxes>(level, block, At(query));
   }
 
-  // The same of objects by their codes.
+  // Encodes a query, to test objects by their codes.
   HWY_INLINE void Encode(size_t query, const detail::CodeMap& map,
                          QueryCodes& codes) const {
     EncodeQuery<kAxes, kHasMax>(map, At(query), codes);
@@ -112,9 +112,9 @@ class PlaneQueries {
     return rejects;
   }
 
- private:
   const float* At(size_t query) const { return queries_ + query * kPlanes; }
 
+ private:
   const float* queries_;
 };
 
@@ -172,10 +172,11 @@ class Walker {
     return first_query_ + (place >> detail::kQueryShift);
   }
 
-  // From the root to the leaves that the query may touch.
+  // Walks from the root to the leaves that the query may touch, and lists them.
+  // Returns false if the output wants no more.
   HWY_INLINE bool WalkNodes(size_t query) {
-    struct Children {  // that are still to visit
-      uint64_t kept;
+    struct Children {
+      uint64_t kept;  // still to visit
       uint64_t inside;
       size_t first;
     };
@@ -477,10 +478,7 @@ template <size_t kAxes, bool kWrites>
 class PlainWalk {
  public:
   explicit PlainWalk(const detail::Walk& walk)
-      : walk_(walk),
-        levels_(*walk.levels),
-        query_(static_cast<const float*>(walk.queries)),
-        queries_(walk.queries) {}
+      : walk_(walk), levels_(*walk.levels), query_(walk.queries) {}
 
   // Returns false, and does nothing, if a Walker is needed or takes less time.
   HWY_INLINE bool Run() {
@@ -494,18 +492,20 @@ class PlainWalk {
       if (ids.offsets != nullptr) return false;
     }
     if (objects.size <= detail::kBlockObjects) {
-      const uint64_t kept = TestFloats<kAxes, true, true>(objects, 0, query_);
+      const uint64_t kept = query_.TestOnlyLeaf(0, objects);
       if (kept != 0) Take(0, objects.size, kept);
       return true;
     }
     const bool has_codes = levels_.codes != nullptr;
-    const detail::BvhLevel& root = levels_.level[has_codes ? 2 : 1];
+    const size_t top = has_codes ? 2 : 1;
+    const detail::BvhLevel& root = levels_.level[top];
     if (root.size > detail::kBlockObjects) return false;
+    // After erasures, the root of a tree with codes can be on level 1.
     if (has_codes &&
-        (objects.size <= kMostInTwoLevels || objects.is_prefetched)) {
+        (objects.size <= detail::kMostWithoutCodes || objects.is_prefetched)) {
       return false;
     }
-    const uint64_t kept = queries_.TestApart(0, root, 0);
+    const uint64_t kept = query_.TestApart(0, root, 0);
     // Only a Walker uses nodes that are inside the query.
     if (hwy::PopCount(kept) >= kManyKept) return false;
     has_codes ? VisitNodes(kept) : VisitFloats(kept);
@@ -514,8 +514,6 @@ class PlainWalk {
 
  private:
   static constexpr size_t kPlanes = kBlockPlanes<kAxes, true>;
-  static constexpr size_t kMostInTwoLevels =
-      detail::kBlockObjects * detail::kBlockObjects;
 
   // Visits leaves under the root.
   HWY_INLINE void VisitFloats(uint64_t leaves) {
@@ -525,7 +523,7 @@ class PlainWalk {
       const uint64_t kept =
           objects.present[block] &
           TestBlock<kAxes, kPlanes, false>(objects, block, 0,
-                                           detail::kBlockObjects, query_);
+                                           detail::kBlockObjects, query_.At(0));
       if (!Take(block, detail::kBlockObjects, kept)) return;
     }
   }
@@ -534,10 +532,10 @@ class PlainWalk {
   HWY_INLINE void VisitNodes(uint64_t nodes_kept) {
     const detail::BvhLevel& nodes = levels_.level[1];
     QueryCodes codes;
-    queries_.Encode(0, *levels_.map, codes);
+    query_.Encode(0, *levels_.map, codes);
     for (; nodes_kept != 0; nodes_kept &= nodes_kept - 1) {
       const size_t node = hwy::Num0BitsBelowLS1Bit_Nonzero64(nodes_kept);
-      uint64_t leaves = queries_.TestApart(0, nodes, node);
+      uint64_t leaves = query_.TestApart(0, nodes, node);
       const uint64_t inside =
           hwy::PopCount(leaves) >= kManyKept ? Inside(nodes, node, leaves) : 0;
       for (; leaves != 0; leaves &= leaves - 1) {
@@ -554,7 +552,7 @@ class PlainWalk {
   HWY_NOINLINE uint64_t Inside(const detail::BvhLevel& nodes, size_t block,
                                uint64_t kept) const {
     const uint64_t regular = kept & nodes.regular[block];
-    return regular == 0 ? 0 : queries_.Inside(0, nodes, block, regular);
+    return regular == 0 ? 0 : query_.Inside(0, nodes, block, regular);
   }
 
   HWY_INLINE uint64_t TestLeaf(size_t block, const QueryCodes& codes) const {
@@ -568,7 +566,7 @@ class PlainWalk {
     // This is rare, so it tests the whole block, which is less code than to
     // test object after object.
     return (kept & ~unsure) |
-           (unsure & queries_.TestApart(0, levels_.level[0], block));
+           (unsure & query_.TestApart(0, levels_.level[0], block));
   }
 
   HWY_INLINE bool Take(size_t block, size_t count, uint64_t kept) {
@@ -585,8 +583,7 @@ class PlainWalk {
 
   const detail::Walk& walk_;
   const detail::BvhLevels& levels_;
-  const float* const query_;
-  const PlaneQueries<kAxes, true> queries_;
+  const PlaneQueries<kAxes, true> query_;
 };
 
 template <class Query, bool kWrites>

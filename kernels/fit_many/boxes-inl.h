@@ -32,7 +32,7 @@ struct BoxBuilder {
     tile.Read(job, begin, count);
   }
 
-  template <Store kStore, class D>
+  template <StoreMode kStore, class D>
   HWY_INLINE void FitVector(D d, const float* const* columns,
                             const OutputPlanes<kDims>& out, size_t i,
                             size_t begin, kernels::FitTally& tally) const {
@@ -58,7 +58,7 @@ struct BoxBuilder {
   }
 
  private:
-  template <bool kAll, Store kStore, class D, class V, class M>
+  template <bool kAll, StoreMode kStore, class D, class V, class M>
   static HWY_INLINE void StoreBounds(D d, const float* const* columns,
                                      const OutputPlanes<kDims>& out, size_t i,
                                      M ok, V other) {

@@ -24,18 +24,19 @@ inline constexpr size_t kTileObjects = 64;
 // A tile is a whole number of vectors.
 using FitTag = hn::CappedTag<float, kTileObjects>;
 
-// How a builder stores the bounds of shapes that could be bounded.
-enum class Store { kCached, kPastCaches };
+// How a builder stores a vector of bounds. A vector with a shape that could not
+// be bounded always goes into the caches.
+enum class StoreMode { kCached, kPastCaches };
 
 // The lanes that could be bounded, and the value of a plane for the others.
 // With kAll there are no others.
-template <bool kAll, Store kStore, class D, class V, class M>
+template <bool kAll, StoreMode kStore, class D, class V, class M>
 HWY_INLINE void StoreWanted(D d, V value, M ok, V other, float* plane,
                             size_t i) {
   if (plane == nullptr) return;
   if constexpr (!kAll) {
     hn::StoreU(hn::IfThenElse(ok, value, other), d, plane + i);
-  } else if constexpr (kStore == Store::kCached) {
+  } else if constexpr (kStore == StoreMode::kCached) {
     hn::StoreU(value, d, plane + i);
   } else {
     hn::Stream(value, d, plane + i);

@@ -44,7 +44,7 @@ struct SphereBuilder {
     tile.Read(job, begin, count);
   }
 
-  template <Store kStore, class D>
+  template <StoreMode kStore, class D>
   HWY_INLINE void FitVector(D d, const float* const* columns,
                             const OutputPlanes<kDims>& out, size_t i,
                             size_t begin, kernels::FitTally& tally) const {
@@ -62,7 +62,7 @@ struct SphereBuilder {
   }
 
  private:
-  template <bool kAll, Store kStore, class D, class V, class M>
+  template <bool kAll, StoreMode kStore, class D, class V, class M>
   static HWY_INLINE void StoreBounds(D d, const float* const* columns,
                                      const OutputPlanes<kDims>& out, size_t i,
                                      M ok, V radius) {

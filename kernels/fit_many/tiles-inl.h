@@ -1,4 +1,4 @@
-// The loop over shapes that all bulk builders share.
+// The loop over boxes, spheres or triangles. Point sets have another one.
 //
 // A builder reads columns of floats, one value of one object in each lane. If
 // the caller's memory has that form, it is read in place. Other layouts, and
@@ -29,7 +29,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 template <size_t kColumns>
 struct InputTile {
   HWY_ALIGN float values[kColumns][kTileObjects];
-  const float* columns[kColumns];
+  const float* columns[kColumns];  // of `values`, as FitVector() reads them
 
   InputTile() {
     for (size_t c = 0; c < kColumns; ++c) columns[c] = values[c];
@@ -172,30 +172,33 @@ bool ShouldStream(const kernels::FitJob& job) {
 #endif
 }
 
-// Walks over all shapes. A Builder has
+// Bounds all shapes. A Builder has
 //   kColumns       values of one shape
 //   kDims
 //   Tag            whose lanes are the shapes of one step
 //   Read(tile, job, begin, count)   fills an InputTile
-//   FitVector<Store>(tag, columns, planes, i, begin, tally)   bounds shapes i
+//   FitVector<kStore>(tag, columns, planes, i, begin, tally)   bounds shapes i
 //                  and on of the columns; `begin` is the number of shape 0
 template <class Builder>
 class TileWalk {
  public:
-  TileWalk(const Builder& builder, const kernels::FitJob& job, bool is_direct,
-           kernels::FitTally& tally)
-      : builder_(builder), job_(job), is_direct_(is_direct), tally_(tally) {}
+  TileWalk(const Builder& builder, const kernels::FitJob& job,
+           bool is_read_in_place, kernels::FitTally& tally)
+      : builder_(builder),
+        job_(job),
+        is_read_in_place_(is_read_in_place),
+        tally_(tally) {}
 
   void Run() {
     const size_t whole = job_.size / kTileObjects * kTileObjects;
     if (!ShouldStream<kDims>(job_)) {
-      FitWhole<Store::kCached>(whole);
+      FitWhole<StoreMode::kCached>(whole);
     } else {
       // A line is written in one or two steps, or it is collected in a tile
       // first (measured: 8 open lines written in four steps each are slower
       // than ordinary stores).
       if (hn::Lanes(typename Builder::Tag()) * sizeof(float) >= 32) {
-        FitWhole<Store::kPastCaches>(whole);
+        FitWhole<StoreMode::kPastCaches>(whole);
       } else {
         FitAndStream(whole);
       }
@@ -207,9 +210,9 @@ class TileWalk {
  private:
   static constexpr int kDims = Builder::kDims;
 
-  template <Store kStore>
+  template <StoreMode kStore>
   void FitWhole(size_t whole) {
-    if (is_direct_) {
+    if (is_read_in_place_) {
       const float* columns[Builder::kColumns] = {};
       ListColumns(columns, 0);
       FitVectors<kStore>(columns, OutputPlanes<kDims>(job_, 0), whole, 0);
@@ -223,15 +226,15 @@ class TileWalk {
   void FitAndStream(size_t whole) {
     for (size_t begin = 0; begin < whole; begin += kTileObjects) {
       OutputTile<kDims> output(job_, begin);
-      FitTile<Store::kCached>(begin, output.places);
+      FitTile<StoreMode::kCached>(begin, output.places);
       output.StreamOut();
     }
   }
 
-  template <Store kStore>
+  template <StoreMode kStore>
   void FitTile(size_t begin, const OutputPlanes<kDims>& output) {
     const float* columns[Builder::kColumns] = {};
-    if (is_direct_) {
+    if (is_read_in_place_) {
       ListColumns(columns, begin);
     } else {
       builder_.Read(tile_, job_, begin, kTileObjects);
@@ -252,7 +255,7 @@ class TileWalk {
   }
 
   // Bounds `count` shapes, rounded up to whole vectors.
-  template <Store kStore>
+  template <StoreMode kStore>
   void FitVectors(const float* const* columns,
                   const OutputPlanes<kDims>& output, size_t count,
                   size_t begin) {
@@ -266,22 +269,24 @@ class TileWalk {
     tile_.Clear();
     builder_.Read(tile_, job_, begin, count);
     OutputTile<kDims> output(job_, begin);
-    FitVectors<Store::kCached>(tile_.columns, output.places, count, begin);
+    FitVectors<StoreMode::kCached>(tile_.columns, output.places, count, begin);
     output.Write(count);
   }
 
   const Builder& builder_;
   const kernels::FitJob& job_;
-  const bool is_direct_;
+  const bool is_read_in_place_;
   kernels::FitTally& tally_;
   InputTile<Builder::kColumns> tile_;
 };
 
+// Bounds all shapes of a job. `is_read_in_place` says that the Builder can read
+// the columns of the job as they are.
 template <class Builder>
 kernels::FitTally FitAll(const Builder& builder, const kernels::FitJob& job,
-                         bool is_direct) {
+                         bool is_read_in_place) {
   kernels::FitTally tally{.target = HWY_TARGET};
-  TileWalk<Builder>(builder, job, is_direct, tally).Run();
+  TileWalk<Builder>(builder, job, is_read_in_place, tally).Run();
   return tally;
 }
 

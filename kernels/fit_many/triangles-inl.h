@@ -44,7 +44,7 @@ struct TriangleBuilder {
     }
   }
 
-  template <Store kStore, class D>
+  template <StoreMode kStore, class D>
   HWY_INLINE void FitVector(D d, const float* const* columns,
                             const OutputPlanes<kDims>& out, size_t i,
                             size_t begin, kernels::FitTally& tally) const {
@@ -62,7 +62,7 @@ struct TriangleBuilder {
   }
 
  private:
-  template <bool kAll, Store kStore, class D, class M>
+  template <bool kAll, StoreMode kStore, class D, class M>
   static HWY_INLINE void StoreBounds(D d, const float* const* columns,
                                      const OutputPlanes<kDims>& out, size_t i,
                                      M ok) {
@@ -95,7 +95,7 @@ struct TriangleBuilder {
 
 template <int kDims>
 kernels::FitTally FitTriangles(const kernels::FitJob& job) {
-  return FitAll(TriangleBuilder<kDims>(), job, /*is_direct=*/false);
+  return FitAll(TriangleBuilder<kDims>(), job, /*is_read_in_place=*/false);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -100,8 +100,8 @@ HWY_NOINLINE void TestAll(D d, Load load,
   });
 }
 
-// The same for those groups of a tile that have a survivor. Returns how many of
-// them are left.
+// Tests the planes on those groups of a tile that have a survivor. Returns the
+// number of groups that still have one.
 template <class D, class Load, size_t kMins, size_t kPlanes, typename T>
 HWY_INLINE size_t TestGroups(D d, Load load,
                              const PlaneGroup<kMins, kPlanes, T>& group,

@@ -62,49 +62,52 @@ HWY_NOINLINE void TwoStages(std::index_sequence<kFirst...>,
   });
 }
 
-// At least one word. The groups of an eighth of the objects that have a
-// survivor of the first axis say how many axes the first stage tests. Of
-// uniform boxes of 1 % of the world's side 15 % of the groups of 8 have one, of
-// 3 % 39 %, of 10 % 83 %.
+// At least one word. A sample, an eighth of the objects, is tested on the first
+// axis. The share of its groups with a survivor chooses how many axes the first
+// stage tests. With uniform boxes of 1 % of the world's side, 15 % of the
+// groups of 8 have a survivor. With boxes of 3 % it is 39 %, of 10 % it is 83
+// %.
 template <size_t kAxes, class D, typename T>
-HWY_NOINLINE void SampledMask(const T* const* planes, size_t first,
+HWY_NOINLINE void SampledMask(const T* const* planes, size_t begin,
                               size_t count, const T* values,
                               uint64_t* row) noexcept {
   constexpr size_t kGroup = kStageGroup<D>;
-  constexpr size_t kMostOfOneAxis = kGroup == 8 ? 4 : 7;   // of 16
-  constexpr size_t kMostOfStages = kGroup == 8 ? 10 : 12;  // of 16
+  // The most groups with a survivor, of 16, for a first stage of one axis, and
+  // for two stages.
+  constexpr size_t kMostForOneAxis = kGroup == 8 ? 4 : 7;
+  constexpr size_t kMostForStages = kGroup == 8 ? 10 : 12;
   constexpr size_t kHalf = (kAxes + 1) / 2;
   const D d;
   const auto query = ValuesOf<kAxes, kAxes>(values);
   const size_t words = count / kWordObjects;
-  const size_t sample = (words + 7) / 8;
-  const T* axis[] = {planes[0] + first, planes[kAxes] + first};
-  size_t some = 0;
-  for (size_t w = 0; w < sample; ++w) {
+  const size_t sample_words = (words + 7) / 8;
+  const T* axis[] = {planes[0] + begin, planes[kAxes] + begin};
+  size_t kept_groups = 0;
+  for (size_t w = 0; w < sample_words; ++w) {
     row[w] = KeptBits<1>(d, LoadAll(), axis, w * kWordObjects,
                          hn::Set(d, query.max[0]), hn::Set(d, query.min[0]));
     // The lowest bit of each group becomes the OR of its bits. In a register,
     // because words that were just stored are read late.
     uint64_t any = row[w];
     for (size_t s = kGroup / 2; s != 0; s /= 2) any |= any >> s;
-    some += hwy::PopCount(any & (~uint64_t{0} / kLowBits<kGroup>));
+    kept_groups += hwy::PopCount(any & (~uint64_t{0} / kLowBits<kGroup>));
   }
-  const size_t all = sample * (kWordObjects / kGroup);
-  if (16 * some > kMostOfStages * all) {
-    FlatMask<kAxes, kAxes, D>(planes, first, count, values, row);
+  const size_t groups = sample_words * (kWordObjects / kGroup);
+  if (16 * kept_groups > kMostForStages * groups) {
+    FlatMask<kAxes, kAxes, D>(planes, begin, count, values, row);
     return;
   }
-  if (16 * some <= kMostOfOneAxis * all) {
+  if (16 * kept_groups <= kMostForOneAxis * groups) {
     TwoStages<kAxes>(std::make_index_sequence<1>(),
                      std::make_index_sequence<kAxes - 1>(), d, planes, query,
-                     first, sample, words, row);
+                     begin, sample_words, words, row);
   } else {
     TwoStages<kAxes>(std::make_index_sequence<kHalf>(),
                      std::make_index_sequence<kAxes - kHalf>(), d, planes,
-                     query, first, 0, words, row);
+                     query, begin, 0, words, row);
   }
   if (count % kWordObjects != 0) {
-    FlatTail<kAxes, kAxes>(planes, query, first + words * kWordObjects,
+    FlatTail<kAxes, kAxes>(planes, query, begin + words * kWordObjects,
                            count % kWordObjects, row + words);
   }
 }
@@ -112,7 +115,7 @@ HWY_NOINLINE void SampledMask(const T* const* planes, size_t first,
 // A MaskKernel (kernel_table.h) for floats. With fewer words, stages cost more
 // than they save, and with more, the choice of Adaptive() is better.
 template <size_t kAxes, class D>
-HWY_NOINLINE void FewMask(const void* pointers, size_t first, size_t count,
+HWY_NOINLINE void FewMask(const void* pointers, size_t begin, size_t count,
                           const void* values, uint64_t* row) noexcept {
   using T = hn::TFromD<D>;
   if constexpr (kHasVectors && std::is_same_v<T, float>) {
@@ -120,13 +123,14 @@ HWY_NOINLINE void FewMask(const void* pointers, size_t first, size_t count,
         HALFSPACE_MASKED_COMPARES
             ? kNearObjects<2 * kAxes, T> / kWordObjects + 1
             : HWY_MIN(size_t{9}, hn::MaxLanes(D()));
-    if (count / kWordObjects - kFewest <= kTileWords - kFewest) {
-      SampledMask<kAxes, D>(static_cast<const T* const*>(pointers), first,
+    const size_t words = count / kWordObjects;
+    if (words >= kFewest && words <= kTileWords) {
+      SampledMask<kAxes, D>(static_cast<const T* const*>(pointers), begin,
                             count, static_cast<const T*>(values), row);
       return;
     }
   }
-  FlatMask<kAxes, kAxes, D>(pointers, first, count, values, row);
+  FlatMask<kAxes, kAxes, D>(pointers, begin, count, values, row);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -17,7 +17,7 @@ struct HalfSpaceQuery {
   std::size_t full_count;
   // The terms of each full test, without that of a radius that all of them
   // multiply by the same factor. 0 for simplices.
-  std::uint8_t terms;
+  std::size_t terms;
   bool rejects_all;
   // The kernel reads the words, and clears the bits of objects with a corner
   // behind a half-space. Otherwise it writes the survivors.
@@ -31,10 +31,6 @@ struct HalfSpaceQuery {
 
   static constexpr std::uint32_t kNoPlane = ~std::uint32_t{0};
 };
-
-// Called in the default floating-point mode.
-void MakeHalfSpaceQuery(const PlaneLayout& layout, const ShapeScan& shape,
-                        HalfSpaceQuery& query);
 
 // One kernel for any planes of floats, and for every enumerator of ScanKernel.
 // Its query is a HalfSpaceQuery.

@@ -98,10 +98,9 @@ HWY_INLINE int64_t FinishChunk(const detail::Scan& scan,
 
 // ---- Streaming: one query over planes out of the caches.
 
-// Streaming is used where it was measured to be faster. Plain code packs bits
-// one by one, and repeats that for every two planes: it took more than twice as
-// long.
-inline constexpr bool kPagesPay = HWY_ARCH_X86 && kHasVectors;
+// The targets that stream. Plain code packs bits one by one, and would repeat
+// that for every two planes: streaming took more than twice as long.
+inline constexpr bool kHasStreaming = HWY_ARCH_X86 && kHasVectors;
 
 // One page of each plane. For quantized bounds of one byte, half a page is 5 %
 // faster.
@@ -170,7 +169,7 @@ template <typename T>
 int64_t ElementKernels<T>::StreamMinima(const detail::Scan& scan,
                                         const detail::Chunk& chunk) {
   // Only boxes have doubles.
-  if constexpr (kPagesPay && !std::is_same_v<T, double>) {
+  if constexpr (kHasStreaming && !std::is_same_v<T, double>) {
     WithLoad<T>(scan, chunk.begin, [&](auto load) HWY_ATTR {
       StreamPages<false, T>(load, scan, chunk);
     });
@@ -183,7 +182,7 @@ int64_t ElementKernels<T>::StreamMinima(const detail::Scan& scan,
 template <typename T>
 int64_t ElementKernels<T>::StreamAll(const detail::Scan& scan,
                                      const detail::Chunk& chunk) {
-  if constexpr (kPagesPay) {
+  if constexpr (kHasStreaming) {
     WithLoad<T>(scan, chunk.begin, [&](auto load) HWY_ATTR {
       StreamPages<true, T>(load, scan, chunk);
     });

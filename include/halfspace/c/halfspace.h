@@ -766,7 +766,8 @@ HALFSPACE_API hs_status hs_bvh_join(const hs_bvh* a, const hs_bvh* b,
                                     hs_id_pair* pairs, size_t room,
                                     size_t* total);
 
-// The same with a function, which is called with 1 to 256 pairs at a time.
+// As hs_bvh_pairs() and hs_bvh_join(), but they call the function with 1 to 256
+// pairs at a time.
 typedef hs_visit (*hs_pairs_function)(void* context, const hs_id_pair* pairs,
                                       size_t count);
 HALFSPACE_API hs_status hs_bvh_pairs_each(const hs_bvh* bvh,

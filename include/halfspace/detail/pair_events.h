@@ -32,7 +32,7 @@ class HALFSPACE_API PairList {
     if (this == &other) return *this;
     Reserve(other.size_);
     size_ = 0;
-    for (const IdPair& pair : other) Add(pair);
+    Append(other.span());
     return *this;
   }
   PairList& operator=(PairList&& other) { return AssignMove(*this, other); }

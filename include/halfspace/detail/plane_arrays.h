@@ -24,7 +24,7 @@ HALFSPACE_API void* AllocateBlock(const MemoryResource& memory,
 HALFSPACE_API void FreeBlock(const MemoryResource& memory, void* block,
                              std::size_t bytes);
 
-// The same for std::vector.
+// The allocator of these blocks for std::vector.
 template <typename T>
 class BlockAllocator {
  public:
@@ -91,16 +91,16 @@ struct PlaneLayout {
   enum Kind : std::uint8_t { kSimplex, kAabb, kAabo, kSphere };
 
   constexpr PlaneLayout() = default;
-  constexpr PlaneLayout(std::size_t its_dims, std::size_t its_axes,
+  constexpr PlaneLayout(std::size_t dim_count, std::size_t axis_count,
                         bool with_max)
-      : dims(static_cast<std::uint8_t>(its_dims)),
-        axes(static_cast<std::uint8_t>(its_axes)),
+      : dims(static_cast<std::uint8_t>(dim_count)),
+        axes(static_cast<std::uint8_t>(axis_count)),
         has_max(with_max),
-        kind(!with_max              ? kSimplex
-             : its_axes == its_dims ? kAabb
-                                    : kAabo),
+        kind(!with_max                 ? kSimplex
+             : axis_count == dim_count ? kAabb
+                                       : kAabo),
         plane_count(
-            static_cast<std::uint8_t>(with_max ? 2 * its_axes : its_axes)),
+            static_cast<std::uint8_t>(with_max ? 2 * axis_count : axis_count)),
         first_max(with_max ? axes : std::uint8_t{0}) {}
 
   static constexpr PlaneLayout OfSpheres(std::size_t dims) {
@@ -110,7 +110,7 @@ struct PlaneLayout {
   }
 
   friend constexpr bool operator==(const PlaneLayout& a, const PlaneLayout& b) {
-    return a.dims == b.dims && a.axes == b.axes && a.has_max == b.has_max;
+    return a.dims == b.dims && a.axes == b.axes && a.kind == b.kind;
   }
 
   std::uint8_t dims = 0;

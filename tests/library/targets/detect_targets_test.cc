@@ -149,19 +149,19 @@ TEST(DetectTargetsTest, FamilyIsOfBothFields) {
   EXPECT_EQ(FamilyOf(machine), 0x1au);
 }
 
-TEST(DetectTargetsTest, StreamingPaysOnZen4Only) {
+TEST(DetectTargetsTest, StreamingIsFasterOnZen4Only) {
   X86Machine zen4 = EveryX86();
   zen4.leaf1_eax = 0x00a10f11;
-  EXPECT_TRUE(StreamingPaysOn(zen4));
+  EXPECT_TRUE(IsStreamingFasterOn(zen4));
   X86Machine machine = zen4;
   machine.leaf7_ebx &= ~(std::uint32_t{1} << 16);  // AVX512F: Zen 3
-  EXPECT_FALSE(StreamingPaysOn(machine));
+  EXPECT_FALSE(IsStreamingFasterOn(machine));
   machine = zen4;
   machine.leaf1_eax = 0x00b00f21;  // Zen 5
-  EXPECT_FALSE(StreamingPaysOn(machine));
+  EXPECT_FALSE(IsStreamingFasterOn(machine));
   machine = zen4;
   machine.is_amd = false;
-  EXPECT_FALSE(StreamingPaysOn(machine));
+  EXPECT_FALSE(IsStreamingFasterOn(machine));
 }
 
 TEST(DetectTargetsTest, WideVectorsPayOnIntelFromIceLakeOn) {
