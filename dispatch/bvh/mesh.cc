@@ -54,6 +54,16 @@ using detail::MeshState;
 constexpr std::size_t kDims = 3;
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
+Triangle<3> TriangleAt(const MeshGroup& group, std::size_t lane) {
+  Triangle<3> triangle;
+  for (std::size_t k = 0; k < kDims; ++k) {
+    triangle.a[k] = group.corners[k][lane];
+    triangle.b[k] = group.corners[kDims + k][lane];
+    triangle.c[k] = group.corners[2 * kDims + k][lane];
+  }
+  return triangle;
+}
+
 struct Bounds {
   Point<3> min = {kInf, kInf, kInf};
   Point<3> max = {-kInf, -kInf, -kInf};
@@ -195,6 +205,7 @@ class Builder {
 
   MeshRef AddGroup(const Piece& piece) {
     MeshGroup group;
+    group.are_points = 0;
     for (std::size_t i = 0; i < kMeshLanes; ++i) {
       // Lanes without a triangle are not used.
       group.id[i] = piece.begin[std::min(i, piece.size() - 1)].id;
@@ -202,6 +213,10 @@ class Builder {
         group.corners[v][i] =
             corners_.At(std::size_t{3} * group.id[i] + v / kDims)[v % kDims];
       }
+      const Triangle<3> triangle = TriangleAt(group, i);
+      const bool is_point =
+          triangle.a == triangle.b && triangle.a == triangle.c;
+      group.are_points |= std::uint32_t{is_point} << i;
     }
     group.cube = piece.bounds.Cube();
     mesh_.groups.push_back(group);
@@ -324,16 +339,6 @@ MeshState* Make(const Corners& corners, std::size_t size,
   }
 #endif
   return mesh;
-}
-
-Triangle<3> TriangleAt(const MeshGroup& group, std::size_t lane) {
-  Triangle<3> triangle;
-  for (std::size_t k = 0; k < kDims; ++k) {
-    triangle.a[k] = group.corners[k][lane];
-    triangle.b[k] = group.corners[kDims + k][lane];
-    triangle.c[k] = group.corners[2 * kDims + k][lane];
-  }
-  return triangle;
 }
 
 bool IsFinite(const Point<3>& point) {

@@ -103,7 +103,8 @@ class MeshCaster {
   }
 
   HWY_INLINE bool TakeGroup(const detail::MeshGroup& group, uint64_t bits) {
-    for (bits &= Candidates(group); bits != 0; bits &= bits - 1) {
+    bits &= Candidates(group) & ~uint64_t{group.are_points};
+    for (; bits != 0; bits &= bits - 1) {
       const float limit = cast_.function(
           cast_.context, group, hwy::Num0BitsBelowLS1Bit_Nonzero64(bits));
       if (limit < limit_) limit_ = limit;
