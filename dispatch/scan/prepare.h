@@ -34,6 +34,10 @@ inline constexpr auto kLastSchedule =
 // machines where that is faster.
 inline constexpr std::size_t kInCacheBytes = 128 * 1024;
 
+// More are in memory, whatever the last cache: a thread has about as much of it
+// on servers.
+inline constexpr std::size_t kInAnyCacheBytes = std::size_t{32} << 20;
+
 // Planes of no more values fit the address space whatever they store.
 inline constexpr std::size_t kMostAddressable =
     std::numeric_limits<std::size_t>::max() / 16;
@@ -168,9 +172,10 @@ inline void ChooseKernel(detail::Scan& scan, const Options& options) {
            ? kKernelOf
            : kQuantizedKernelOf)[type.kind]
                                 [static_cast<std::size_t>(options.schedule)];
+  const std::size_t bytes = (scan.end - scan.begin) * type.record_bytes;
   scan.is_streaming =
-      (scan.end - scan.begin) * type.record_bytes > kInCacheBytes &&
-      scan.query_count == 1 && IsStreamingFaster();
+      bytes > kInCacheBytes && scan.query_count == 1 && IsStreamingFaster();
+  scan.is_in_memory = bytes > kInAnyCacheBytes && scan.query_count == 1;
   if (scan.is_streaming) scan.kernel = kStreamingKernelOf[scan.kernel];
 }
 

@@ -32,7 +32,7 @@
 // checks. In a loop the compiler keeps the query's values in registers. Compile
 // without -ffast-math, which may remove the test of NaN. Flat scans test words
 // of 64 by the same code. There is no word for half-spaces: they must first be
-// made into tests, which takes as long as the test of 150 boxes by six of them.
+// made into tests, which takes as long as the test of 100 boxes by six of them.
 // kernels.h does both.
 #if defined(HALFSPACE_KERNELS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef HALFSPACE_KERNELS_INL_H_

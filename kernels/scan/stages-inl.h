@@ -314,14 +314,22 @@ struct KeptStep {
   size_t most;
   size_t tiles;
 };
-inline constexpr KeptStep kKeptSteps[2][3] = {
-    // Boxes: groups that have a survivor of the first axes; of the last step,
-    // nonzero words. Masked compares skip groups at less cost.
-    {{0, HALFSPACE_MASKED_COMPARES ? 48 : 24, 1},
-     {HALFSPACE_MASKED_COMPARES ? 4 : 1, 48, 1},
-     {40, 64, 1}},
-    // Octahedra: the same groups, then nonzero words, which are few.
-    {{0, HALFSPACE_MASKED_COMPARES ? 36 : 24, 1}, {1, 48, 16}, {32, 64, 1}},
+inline constexpr KeptStep kKeptSteps[2][2][3] = {
+    {
+        // Boxes: groups that have a survivor of the first axes; of the last
+        // step, nonzero words. Masked compares skip groups at less cost.
+        {{0, HALFSPACE_MASKED_COMPARES ? 48 : 24, 1},
+         {HALFSPACE_MASKED_COMPARES ? 4 : 1, 48, 1},
+         {40, 64, 1}},
+        // Octahedra: the same groups, then nonzero words, which are few.
+        {{0, HALFSPACE_MASKED_COMPARES ? 36 : 24, 1}, {1, 48, 16}, {32, 64, 1}},
+    },
+    // In memory a plane that is read in parts takes as long as a whole one, so
+    // the first step is the half, and the last follows earlier.
+    {
+        {{}, {0, 6, 1}, {3, 64, 1}},
+        {{}, {0, 24, 16}, {12, 64, 1}},
+    },
 };
 
 // Tests a tile of one query, and returns what of it is left, as above.
@@ -406,10 +414,12 @@ int64_t ElementKernels<T>::Adaptive(const detail::Scan& scan,
     }
     Left look{};
     if (is_one && WordsOf(chunk) >= kTileWords) look = LookAt<T>(scan, chunk);
-    const KeptStep* const steps = kKeptSteps[is_box ? 0 : 1];
-    size_t step = 64 * look.some <= steps[kOneAxis].most * look.all ? kOneAxis
-                  : is_box && look.IsAlmostAll() ? kEveryPlane
-                                                 : kHalf;
+    const KeptStep* const steps = kKeptSteps[scan.is_in_memory][is_box ? 0 : 1];
+    size_t step = is_box && look.IsAlmostAll() ? kEveryPlane : kHalf;
+    if (!scan.is_in_memory &&
+        64 * look.some <= steps[kOneAxis].most * look.all) {
+      step = kOneAxis;
+    }
     size_t tiles = 0;  // in a row that left fewer
     ForEachTile(scan, chunk, [&](const detail::Chunk& tile) HWY_ATTR {
       const Left left = TestTile<T>(scan, tile, step);

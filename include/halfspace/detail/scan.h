@@ -101,6 +101,7 @@ struct Scan {
   // Set by the library.
   ScanKernel kernel;
   bool is_streaming;
+  bool is_in_memory;  // the planes are larger than the caches
   bool is_wide;  // with vectors of 512 bits, if the target has them
   const TargetKernels* kernels;  // of the target that runs
   const char* call;              // its name, for messages

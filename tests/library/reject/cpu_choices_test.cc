@@ -79,13 +79,13 @@ TEST_P(CpuChoicesTest, TestLikeTheFlatKernel) {
                        std::string(NameOf(input_kind)));
           scan.kernels = *scan.type->all_kernels +
                          dispatch::IndexOf(target, "cpu_choices_test");
-          scan.is_streaming = scan.is_wide = false;
+          scan.is_streaming = scan.is_in_memory = scan.is_wide = false;
           const auto expected = WordsOf(scan, scan.type->flat);
           for (bool is_wide : {false, true}) {
             scan.is_wide = is_wide;
             for (ScanKernel kernel : KernelsOf(kind.layout.kind)) {
               for (bool is_streaming : {false, true}) {
-                scan.is_streaming = is_streaming;
+                scan.is_streaming = scan.is_in_memory = is_streaming;
                 EXPECT_EQ(WordsOf(scan, kernel), expected)
                     << "kernel " << int{kernel} << ", wide: " << is_wide;
               }
