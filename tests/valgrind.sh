@@ -31,6 +31,10 @@ left_out=(
   # and these notice that they are not kept.
   '*.DistancesOfAllSizesInAllFloatingPointModes*'
   'RoundOutwardTest.IsTheNextFloatInEveryMode'
+  # It rounds to nearest in every mode, and then a half-space can lose what touches it.
+  # HalfSpacesTest.SeveralFrustaAreRows reads the same memory.
+  '*.NeverRejectsWhatTouchesAShape*' 'HalfSpacesTest.EachTargetKeepsTheSame'
+  'HalfSpacesTest.OfSpheres'
   # Its operator new cannot throw, and ends the process instead.
   '*.MemoryThatCannotBeHadIsBadAlloc*'
   # Reads a thread's stack below what is in use.
