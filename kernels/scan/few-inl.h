@@ -24,14 +24,7 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // The objects that the second stage tests together: a vector or two.
-#if HWY_HAVE_SCALABLE
-template <class D>
-inline constexpr size_t kStageGroup = kWordObjects;
-#else
-template <class D>
-inline constexpr size_t kStageGroup =
-    HWY_MIN(size_t{16}, HWY_MAX(size_t{8}, hn::MaxLanes(D())));
-#endif
+inline constexpr size_t kStageGroup = HWY_HAVE_SCALABLE ? kWordObjects : 8;
 
 // Tests the first axes of all objects, and then the last axes of the groups
 // that have a survivor. Which groups these are cannot be predicted, so there is
@@ -43,7 +36,7 @@ HWY_NOINLINE void TwoStages(std::index_sequence<kFirst...>,
                             size_t begin, size_t done, size_t words,
                             uint64_t* HWY_RESTRICT row) noexcept {
   constexpr size_t kAfter = sizeof...(kFirst);
-  constexpr size_t kGroup = kStageGroup<D>;
+  constexpr size_t kGroup = kStageGroup;
   const T* first[] = {planes[kFirst] + begin...,
                       planes[kAxes + kFirst] + begin...};
   const T* last[] = {planes[kAfter + kLast] + begin...,
@@ -71,7 +64,7 @@ template <size_t kAxes, class D, typename T>
 HWY_NOINLINE void SampledMask(const T* const* planes, size_t begin,
                               size_t count, const T* values,
                               uint64_t* row) noexcept {
-  constexpr size_t kGroup = kStageGroup<D>;
+  constexpr size_t kGroup = kStageGroup;
   // The most groups with a survivor, of 16, for a first stage of one axis, and
   // for two stages.
   constexpr size_t kMostForOneAxis = kGroup == 8 ? 4 : 7;
@@ -113,16 +106,15 @@ HWY_NOINLINE void SampledMask(const T* const* planes, size_t begin,
 }
 
 // A MaskKernel (kernel_table.h) for floats. With fewer words, stages cost more
-// than they save, and with more, the choice of Adaptive() is better.
+// than they save, and with more, the choice of Adaptive() is better. With
+// masked compares it is better at once.
 template <size_t kAxes, class D>
 HWY_NOINLINE void FewMask(const void* pointers, size_t begin, size_t count,
                           const void* values, uint64_t* row) noexcept {
   using T = hn::TFromD<D>;
-  if constexpr (kHasVectors && std::is_same_v<T, float>) {
-    constexpr size_t kFewest =
-        HALFSPACE_MASKED_COMPARES
-            ? kNearObjects<2 * kAxes, T> / kWordObjects + 1
-            : HWY_MIN(size_t{9}, hn::MaxLanes(D()));
+  if constexpr (kHasVectors && std::is_same_v<T, float> &&
+                !HALFSPACE_MASKED_COMPARES) {
+    constexpr size_t kFewest = HWY_MIN(size_t{9}, hn::MaxLanes(D()));
     const size_t words = count / kWordObjects;
     if (words >= kFewest && words <= kTileWords) {
       SampledMask<kAxes, D>(static_cast<const T* const*>(pointers), begin,

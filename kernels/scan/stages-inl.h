@@ -314,15 +314,15 @@ struct KeptStep {
   size_t most;
   size_t tiles;
 };
+inline constexpr KeptStep kKeptOneAxis = {
+    0, HALFSPACE_MASKED_COMPARES ? 36 : 24, 1};
 inline constexpr KeptStep kKeptSteps[2][2][3] = {
     {
         // Boxes: groups that have a survivor of the first axes; of the last
         // step, nonzero words. Masked compares skip groups at less cost.
-        {{0, HALFSPACE_MASKED_COMPARES ? 48 : 24, 1},
-         {HALFSPACE_MASKED_COMPARES ? 4 : 1, 48, 1},
-         {40, 64, 1}},
+        {kKeptOneAxis, {HALFSPACE_MASKED_COMPARES ? 4 : 1, 48, 1}, {40, 64, 1}},
         // Octahedra: the same groups, then nonzero words, which are few.
-        {{0, HALFSPACE_MASKED_COMPARES ? 36 : 24, 1}, {1, 48, 16}, {32, 64, 1}},
+        {kKeptOneAxis, {1, 48, 16}, {32, 64, 1}},
     },
     // In memory a plane that is read in parts takes as long as a whole one, so
     // the first step is the half, and the last follows earlier.
@@ -413,7 +413,7 @@ int64_t ElementKernels<T>::Adaptive(const detail::Scan& scan,
           scan, QueriesFrom(scan, chunk, q, chunk.query_count - q));
     }
     Left look{};
-    if (is_one && WordsOf(chunk) >= kTileWords) look = LookAt<T>(scan, chunk);
+    if (is_one) look = LookAt<T>(scan, chunk);
     const KeptStep* const steps = kKeptSteps[scan.is_in_memory][is_box ? 0 : 1];
     size_t step = is_box && look.IsAlmostAll() ? kEveryPlane : kHalf;
     if (!scan.is_in_memory &&
@@ -448,9 +448,11 @@ constexpr detail::TargetKernels MakeKernels() {
   if constexpr (std::is_floating_point_v<T>) {
     kernels.mask_of_all[0] = &FewMask<kAxes, OneTag<T>>;
     kernels.mask_of_all[1] = &FewMask<kAxes, WordTag<T>>;
-    constexpr size_t kMostWords = !kHasVectors               ? 0
-                                  : std::is_same_v<T, float> ? kTileWords
-                                                             : kFewWords - 1;
+    constexpr size_t kMostWords =
+        !kHasVectors                ? 0
+        : !std::is_same_v<T, float> ? kFewWords - 1
+        : HALFSPACE_MASKED_COMPARES ? kNearObjects<2 * kAxes, T> / kWordObjects
+                                    : kTileWords;
     kernels.few_objects = (kMostWords + 1) * kWordObjects - 1;
     kernels.few_octahedra =
         HALFSPACE_MASKED_COMPARES ? kNearObjects<2 * kAxes, T>

@@ -102,7 +102,7 @@ struct Scan {
   ScanKernel kernel;
   bool is_streaming;
   bool is_in_memory;  // the planes are larger than the caches
-  bool is_wide;  // with vectors of 512 bits, if the target has them
+  bool is_wide;       // with vectors of 512 bits, if the target has them
   const TargetKernels* kernels;  // of the target that runs
   const char* call;              // its name, for messages
   std::size_t begin;             // the range of objects
