@@ -2,18 +2,22 @@
 // subnormals, and what traps.
 //
 // An object of FpMode rounds as its type says, with subnormals and without
-// traps, for its life. Reading the mode costs a few cycles. It is written only
+// traps, for its life. (On machines other than x86 and ARM of 64 bits it sets
+// the rounding alone.) Reading the mode costs a few cycles. It is written only
 // if it differs. The compiler may move arithmetic across a change of mode, so
 // all of it belongs in a function that is not inlined.
 //
-// Exception flags that are raised may stay raised. (They are bits of the same
-// register on x86, and of another register on ARM.) No flag is cleared.
+// Exception flags that were raised before stay raised. Those that are raised
+// meanwhile may stay or not: they are bits of the same register on x86, and of
+// another register on ARM.
 #ifndef HALFSPACE_KERNELS_FP_MODE_H_
 #define HALFSPACE_KERNELS_FP_MODE_H_
 
 #include <cstdint>
 
-#if defined(__SSE2__) || defined(_M_X64)
+// WebAssembly with emulated SSE2 has no register of modes.
+#if (defined(__SSE2__) || defined(_M_X64)) && !defined(__wasm__)
+#define HALFSPACE_HAS_MXCSR 1
 #include <xmmintrin.h>
 #elif defined(_M_ARM64) && !defined(__clang__)
 #include <intrin.h>
@@ -26,7 +30,7 @@ namespace halfspace::kernels {
 enum class Rounding { kToNearest, kUpward };
 
 // WebAssembly rounds to nearest alone.
-#if defined(FE_TONEAREST) && !defined(FE_UPWARD)
+#if defined(__wasm__) || (defined(FE_TONEAREST) && !defined(FE_UPWARD))
 inline constexpr bool kRoundsUpward = false;
 #else
 inline constexpr bool kRoundsUpward = true;
@@ -41,18 +45,16 @@ class FpMode {
   FpMode& operator=(const FpMode&) = delete;
 
   // Calls function() in the mode that the thread had. If function() changes the
-  // mode, the thread keeps the new one.
+  // mode, the thread keeps the new one, also if function() throws.
   template <typename Function>
   auto Outside(const Function& function) {
     Exit();
-    const auto result = function();
-    saved_ = Read();
-    Enter();
-    return result;
+    const Reentry reentry{*this};
+    return function();
   }
 
  private:
-#if defined(__SSE2__) || defined(_M_X64)
+#if defined(HALFSPACE_HAS_MXCSR)
   using Register = unsigned;
   // MXCSR: flush to zero, rounding control, masked traps, denormals are zero.
   static constexpr Register kMode = 0x8000 | 0x6000 | 0x1f80 | 0x0040;
@@ -95,6 +97,14 @@ class FpMode {
   static void Write(Register value) { std::fesetround(value); }
 #endif
 
+  struct Reentry {
+    FpMode& mode;
+    ~Reentry() {
+      mode.saved_ = Read();
+      mode.Enter();
+    }
+  };
+
   void Enter() {
     if (!IsOn()) Write((saved_ & ~kMode) | kDuring);
   }
@@ -107,5 +117,7 @@ class FpMode {
 };
 
 }  // namespace halfspace::kernels
+
+#undef HALFSPACE_HAS_MXCSR
 
 #endif  // HALFSPACE_KERNELS_FP_MODE_H_

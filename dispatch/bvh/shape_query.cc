@@ -162,6 +162,7 @@ void MakeHalfSpaceTest(const PlaneLayout& planes, const float* normal,
       squared += double{normal[k]} * normal[k];
       test.term[terms++] = {k, k, normal[k], normal[k]};
     }
+    if (squared == 0) return;
     // A sphere reaches as far as its radius times the length of the normal.
     const float length = RoundUpLoosely(std::sqrt(squared) * (1 + 0x1p-50));
     test.term[terms] = {terms, terms, length, length};

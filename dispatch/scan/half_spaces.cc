@@ -20,7 +20,8 @@ namespace halfspace::detail {
 namespace {
 
 // Gives the radius the largest of its factors in all tests, if they differ by
-// less than the rounding of a unit vector. Otherwise returns false.
+// at most 2^-18 of it, which is more than the lengths of unit vectors do after
+// rounding. Otherwise returns false.
 bool ShareRadius(HalfSpaceTests& tests, std::size_t radius_term) {
   float least = std::numeric_limits<float>::infinity();
   float most = 0;

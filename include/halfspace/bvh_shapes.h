@@ -35,7 +35,7 @@
 //
 // No object whose bound touches the exact shape is rejected, in any
 // floating-point mode. Objects closer than about 2^-18 of the sizes involved
-// can survive (docs/bvh.md), of half-spaces 2^-21. The mode can change which of
+// can survive (docs/bvh.md), of half-spaces 2^-20. The mode can change which of
 // these do, but not for half-spaces and oriented boxes. All targets return the
 // same objects.
 //
@@ -47,7 +47,7 @@
 // it is the box that is larger by the radius. If a minimum is above its
 // maximum, it can find objects that touch nothing. An oriented box with a NaN
 // or an infinity keeps every object. A NaN radius is an error. A half-space
-// with a NaN, an infinity or a component above 2^126 keeps every object. An
+// with a NaN, an infinity or a component beyond 2^126 keeps every object. An
 // empty list of half-spaces keeps every object. An Empty() object is found only
 // by a query that keeps every object: a list of half-spaces, or an oriented box
 // with a NaN or an infinity.

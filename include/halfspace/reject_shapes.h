@@ -32,9 +32,11 @@
 // exact shape is rejected, in any floating-point mode. Spheres closer than
 // about 2^-17 of the sizes involved can survive. All targets return the same
 // spheres.
-// A NaN in a box or a center rejects nothing on its side. A box with a minimum
-// above its maximum is that far from every sphere, and Empty() finds none of
-// finite radius. Of a sphere with a negative radius the result is unspecified.
+// A NaN in a box or a center rejects nothing on its side. In half-spaces a NaN
+// of a center rejects nothing, and an infinity nothing where a normal has a 0.
+// A box with a minimum above its maximum is that far from every sphere, and
+// Empty() finds none of finite radius. Of a sphere with a negative radius the
+// result is unspecified.
 //
 // Errors: as RejectMask() in reject.h. There must be at most 64 half-spaces,
 // and the pointer to them must not be null or misaligned. The radius of a query
@@ -47,8 +49,9 @@
 // Thread safety: as in reject.h, with 9 KiB more stack.
 //
 // Cost: three products and sums an object and half-space, and a compare an
-// axis-aligned one. Spheres take one product and sum more, and as many for each
-// half-space if the lengths of the normals differ by 2^-18. `./bench.sh
+// axis-aligned one. A sphere takes one product and sum more, or one for each
+// half-space if the lengths of the normals differ by more than 2^-18.
+// `./bench.sh
 // --details culling` compares it with loops by hand, which fuse products and
 // sums: not every target can, and all return the same objects. From a few
 // thousand objects on, a BVH is faster.

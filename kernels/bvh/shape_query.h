@@ -53,9 +53,9 @@ inline constexpr float kApartOnLine = 0x1p-100f;
 // above it by what is lost of a subnormal, so 0 is returned.
 inline float ReportedTime(float t) { return t < kApartOnLine ? 0 : t; }
 
-// A half-space as a sum over planes of a bound. Each plane is multiplied by a
-// factor that was rounded up and down, and the greater product counts. The sum
-// is negative for bounds behind the half-space.
+// A half-space as a sum over planes of a bound, each multiplied by a factor. A
+// simplex has factors that were rounded up and down, of which the greater
+// product counts. The sum is negative for bounds behind the half-space.
 inline constexpr std::size_t kMostTerms = 4;
 struct HalfSpaceTest {
   struct Term {

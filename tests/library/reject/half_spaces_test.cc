@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cfenv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -473,6 +474,24 @@ TEST(HalfSpacesTest, SidesBeyondFloats) {
   EXPECT_EQ(survivors(1, kFar), 3u);
   EXPECT_EQ(survivors(-1, kFar), 3u);
   EXPECT_EQ(survivors(1, 0), 2u);
+}
+
+// The walk of a BVH computes in a mode of its own.
+TEST(HalfSpacesTest, AFunctionThatThrowsKeepsItsMode) {
+  AabbWorld3 world;
+  for (int i = 0; i < 5000; ++i) world.Push({{}, {1, 1, 1}});
+  const Bvh<AabbView3> bvh(world.view());
+  const List<3> all = {{{1, 1, 1}, 0}};
+  const auto ask = [&] {
+    ForEachSurvivor(bvh, all, [](Span<const std::uint32_t>) {
+      EXPECT_EQ(std::fegetround(), FE_TONEAREST);
+      std::fesetround(FE_DOWNWARD);
+      throw std::runtime_error("in a function");
+    });
+  };
+  EXPECT_THROW(ask(), std::runtime_error);
+  EXPECT_EQ(std::fegetround(), FE_DOWNWARD);
+  std::fesetround(FE_TONEAREST);
 }
 
 TEST(HalfSpacesTest, SeveralFrustaAreRows) {
