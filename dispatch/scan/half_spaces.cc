@@ -33,7 +33,6 @@ bool ShareRadius(HalfSpaceTests& tests, std::size_t radius_term) {
   if (least < most * (1 - 0x1p-18f)) return false;
   for (std::size_t f = 0; f < tests.count; ++f) {
     tests.test[f].term[radius_term].more = most;
-    tests.test[f].term[radius_term].less = most;
   }
   return true;
 }

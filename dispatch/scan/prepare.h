@@ -34,8 +34,8 @@ inline constexpr auto kLastSchedule =
 // machines where that is faster.
 inline constexpr std::size_t kInCacheBytes = 128 * 1024;
 
-// More are in memory, whatever the last cache: a thread has about as much of it
-// on servers.
+// Up to so many bytes of planes may be in the last cache of a server, of which
+// a thread has a share of about this size. More count as in memory.
 inline constexpr std::size_t kInAnyCacheBytes = std::size_t{32} << 20;
 
 // Planes of no more values fit the address space whatever they store.

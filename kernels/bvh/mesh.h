@@ -40,8 +40,8 @@ struct alignas(64) MeshGroup {
   float corners[9][kMeshLanes];  // x y z of a, of b and of c
   std::uint32_t id[kMeshLanes];
   MeshCube cube;
-  // Bits of lanes. No float tells how a ray passes three equal corners, so each
-  // of these triangles would be tested exactly.
+  // The bits of the lanes whose triangle is a point. No ray hits it, and the
+  // filter of rays cannot reject it, so it would be tested exactly.
   std::uint32_t are_points;
 };
 
