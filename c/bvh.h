@@ -30,11 +30,11 @@ struct hs_bvh {
 
 namespace halfspace::c {
 
-template <typename World>
-constexpr bool kIsBvh = std::is_same_v<World, hs_bvh>;
+template <typename Tree>
+constexpr bool kIsBvh = std::is_same_v<Tree, hs_bvh>;
 // The name of an argument that is a BVH or a broad phase.
-template <typename World>
-constexpr const char* kName = kIsBvh<World> ? "bvh" : "bodies";
+template <typename Tree>
+constexpr const char* kName = kIsBvh<Tree> ? "bvh" : "bodies";
 
 detail::BvhType TypeOf(const PlaneLayout& layout);
 // Fails for simplices.

@@ -125,9 +125,9 @@ detail::Columns ColumnsOf(const hs_columns& columns, const Values& values);
 // The results behind those that are skipped, which go to an array with room for
 // some of them.
 template <typename Result>
-class Results {
+class ResultRoom {
  public:
-  Results(Result* results, std::size_t room, std::size_t skip)
+  ResultRoom(Result* results, std::size_t room, std::size_t skip)
       : results_(results), room_(room), skip_(skip) {}
 
   std::size_t total() const { return total_; }

@@ -26,9 +26,9 @@ static_assert(alignof(hs_id_pair) == alignof(IdPair));
 static_assert(offsetof(hs_id_pair, b) == offsetof(IdPair, b));
 
 // The pairs that a call searches.
-template <typename World>
+template <typename Tree>
 struct Sources {
-  const World* a;
+  const Tree* a;
   const hs_bvh* b = nullptr;
   const std::uint32_t* ids = nullptr;  // of a set of `count` objects of a
   std::size_t count = 0;
@@ -36,14 +36,14 @@ struct Sources {
   bool is_join = false;  // of a and b
 
   void Check(const Call& call) const {
-    call.CheckPointer(is_join ? "a" : kName<World>, a);
+    call.CheckPointer(is_join ? "a" : kName<Tree>, a);
     if (is_join) call.CheckPointer("b", b);
   }
 };
 
 // Calls run(options, set, kernels).
-template <typename World, typename Function>
-void RunPairs(const Call& call, const Sources<World>& from,
+template <typename Tree, typename Function>
+void RunPairs(const Call& call, const Sources<Tree>& from,
               const hs_pair_options* options, const Function& run) {
   const hs_pair_options read =
       ReadOptions(call, "options", options, kPairDefaults);
@@ -67,8 +67,8 @@ void RunPairs(const Call& call, const Sources<World>& from,
   run(pairs, set, kernels);
 }
 
-template <typename World>
-hs_status WritePairs(const char* name, const Sources<World>& from,
+template <typename Tree>
+hs_status WritePairs(const char* name, const Sources<Tree>& from,
                      const hs_pair_options* options, hs_id_pair* pairs,
                      std::size_t room, std::size_t* total) {
   return Run(name, [&](const Call& call) {
@@ -79,7 +79,7 @@ hs_status WritePairs(const char* name, const Sources<World>& from,
     RunPairs(call, from, options,
              [&](const PairOptions& read, const Span<const std::uint32_t>& set,
                  const detail::BvhPairKernels* kernels) {
-               if constexpr (kIsBvh<World>) {
+               if constexpr (kIsBvh<Tree>) {
                  *total = detail::BvhPairs(
                      {kernels, &from.a->core,
                       from.b == nullptr ? nullptr : &from.b->core,
@@ -92,8 +92,8 @@ hs_status WritePairs(const char* name, const Sources<World>& from,
   });
 }
 
-template <typename World>
-hs_status CallForPairs(const char* name, const Sources<World>& from,
+template <typename Tree>
+hs_status CallForPairs(const char* name, const Sources<Tree>& from,
                        const hs_pair_options* options,
                        hs_pairs_function function, void* context) {
   return Run(name, [&](const Call& call) {
@@ -107,7 +107,7 @@ hs_status CallForPairs(const char* name, const Sources<World>& from,
     RunPairs(call, from, options,
              [&](const PairOptions& read, const Span<const std::uint32_t>& set,
                  const detail::BvhPairKernels* kernels) {
-               if constexpr (kIsBvh<World>) {
+               if constexpr (kIsBvh<Tree>) {
                  detail::BvhForEachPair(
                      {kernels, &from.a->core,
                       from.b == nullptr ? nullptr : &from.b->core,

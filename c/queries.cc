@@ -26,22 +26,22 @@ static_assert(HS_NO_ID == detail::kNoId);
 
 // Queries, after their checks.
 struct Queries {
-  template <typename World>
-  Queries(const Call& call, const World* world, const hs_columns* queries,
+  template <typename Tree>
+  Queries(const Call& call, const Tree* tree, const hs_columns* queries,
           const hs_query_options* options) {
-    call.CheckPointer(kName<World>, world);
+    call.CheckPointer(kName<Tree>, tree);
     const hs_query_options read =
         ReadOptions(call, "options", options, kQueryDefaults);
     search.mask = read.mask;
     search.target = ReadTarget(call, "options", read.target);
     skip = read.skip;
-    const std::size_t dims = world->layout.dims;
+    const std::size_t dims = tree->layout.dims;
     switch (read.shape) {
       case HS_SHAPE_BOUND:
-        if constexpr (kIsBvh<World>) {
-          values = world->queries;
+        if constexpr (kIsBvh<Tree>) {
+          values = tree->queries;
         } else {
-          values = world->objects;
+          values = tree->objects;
         }
         break;
       case HS_SHAPE_POINT:
@@ -143,12 +143,12 @@ void CheckLength(const Call& call, const char* argument, float length) {
             detail::NumberText(length).c_str());
 }
 
-template <typename World>
-hs_status Query(const char* name, const World* world, const hs_columns* columns,
+template <typename Tree>
+hs_status Query(const char* name, const Tree* tree, const hs_columns* columns,
                 const hs_query_options* options, std::uint32_t* ids,
                 std::size_t room, std::size_t* offsets, std::size_t* total) {
   return Run(name, [&](const Call& call) {
-    const Queries queries(call, world, columns, options);
+    const Queries queries(call, tree, columns, options);
     call.CheckArray("ids", ids, room);
     call.CheckPointer("total", total);
     std::size_t own_offsets[kMostRows + 1];
@@ -156,15 +156,15 @@ hs_status Query(const char* name, const World* world, const hs_columns* columns,
       call.CheckPointer("offsets", offsets);
       offsets[0] = 0;
     }
-    Results<std::uint32_t> results(ids, room, queries.skip);
+    ResultRoom<std::uint32_t> results(ids, room, queries.skip);
     queries.ForEach(
         [&](const float* rows, std::size_t begin, std::size_t count) {
-          if constexpr (kIsBvh<World>) {
+          if constexpr (kIsBvh<Tree>) {
             if (count > 1) {
               std::size_t* const to =
                   offsets != nullptr ? offsets + begin : own_offsets;
               const std::size_t before = results.total();
-              results.Add(world->core.SurvivorsOfEach(
+              results.Add(tree->core.SurvivorsOfEach(
                   queries.From(rows, 0, count), results.span(), {to, count + 1},
                   queries.search, results.skip()));
               for (std::size_t i = 0; i <= count; ++i) to[i] += before;
@@ -174,8 +174,8 @@ hs_status Query(const char* name, const World* world, const hs_columns* columns,
           // Together they would need a copy of the tree while bodies move.
           for (std::size_t q = 0; q < count; ++q) {
             const detail::BvhQueries query = queries.From(rows, q);
-            results.Add(world->core.Survivors(query, results.span(),
-                                              queries.search, results.skip()));
+            results.Add(tree->core.Survivors(query, results.span(),
+                                             queries.search, results.skip()));
             if (offsets != nullptr) offsets[begin + q + 1] = results.total();
           }
         });
@@ -183,36 +183,36 @@ hs_status Query(const char* name, const World* world, const hs_columns* columns,
   });
 }
 
-template <typename World>
-hs_status CountAll(const char* name, const World* world,
+template <typename Tree>
+hs_status CountAll(const char* name, const Tree* tree,
                    const hs_columns* columns, const hs_query_options* options,
                    std::size_t* counts) {
   return Run(name, [&](const Call& call) {
-    const Queries queries(call, world, columns, options);
+    const Queries queries(call, tree, columns, options);
     call.CheckArray("counts", counts, queries.query_count);
     queries.ForEach(
         [&](const float* rows, std::size_t begin, std::size_t count) {
-          if constexpr (kIsBvh<World>) {
+          if constexpr (kIsBvh<Tree>) {
             if (queries.kind == nullptr) {
-              world->core.CountOfEach(queries.From(rows, 0, count),
-                                      {counts + begin, count}, queries.search);
+              tree->core.CountOfEach(queries.From(rows, 0, count),
+                                     {counts + begin, count}, queries.search);
               return;
             }
           }
           for (std::size_t q = 0; q < count; ++q) {
             const detail::BvhQueries query = queries.From(rows, q);
-            counts[begin + q] = world->core.Count(query, queries.search);
+            counts[begin + q] = tree->core.Count(query, queries.search);
           }
         });
   });
 }
 
-template <typename World>
-hs_status AnyOfEach(const char* name, const World* world,
+template <typename Tree>
+hs_status AnyOfEach(const char* name, const Tree* tree,
                     const hs_columns* columns, const hs_query_options* options,
                     std::uint32_t* ids) {
   return Run(name, [&](const Call& call) {
-    const Queries queries(call, world, columns, options);
+    const Queries queries(call, tree, columns, options);
     call.CheckArray("ids", ids, queries.query_count);
     queries.ForEach(
         [&](const float* rows, std::size_t begin, std::size_t count) {
@@ -220,19 +220,19 @@ hs_status AnyOfEach(const char* name, const World* world,
             const detail::BvhQueries query = queries.From(rows, q);
             std::uint32_t& id = ids[begin + q];
             id = HS_NO_ID;
-            world->core.Any(query, id, queries.search);
+            tree->core.Any(query, id, queries.search);
           }
         });
   });
 }
 
 // Calls the function of a query.
-template <typename World>
+template <typename Tree>
 class EachQuery {
  public:
-  EachQuery(const World& world, const Queries& queries,
-            hs_ids_function function, void* context)
-      : world_(world),
+  EachQuery(const Tree& tree, const Queries& queries, hs_ids_function function,
+            void* context)
+      : tree_(tree),
         queries_(queries),
         function_(function),
         context_(context) {}
@@ -256,10 +256,10 @@ class EachQuery {
   // try.
   bool RunTogether(const float* rows, std::size_t begin, std::size_t first,
                    std::size_t count) {
-    if constexpr (kIsBvh<World>) {
+    if constexpr (kIsBvh<Tree>) {
       std::array<std::uint32_t, kRoom> ids;
       std::array<std::size_t, kTogether + 1> offsets;
-      const std::size_t found = world_.core.SurvivorsOfEach(
+      const std::size_t found = tree_.core.SurvivorsOfEach(
           queries_.From(rows, first, count), {ids.data(), ids.size()},
           {offsets.data(), count + 1}, queries_.search, 0);
       is_one_by_one_ = found > ids.size();
@@ -270,7 +270,7 @@ class EachQuery {
              {ids.data() + offsets[q], offsets[q + 1] - offsets[q]});
       }
     }
-    return kIsBvh<World>;
+    return kIsBvh<Tree>;
   }
 
   void RunOneByOne(const float* rows, std::size_t begin, std::size_t first,
@@ -281,7 +281,7 @@ class EachQuery {
         return !is_stopped_;
       }};
       const detail::BvhQueries query = queries_.From(rows, q);
-      world_.core.ForEach(query, &decltype(call)::Run, &call, queries_.search);
+      tree_.core.ForEach(query, &decltype(call)::Run, &call, queries_.search);
     }
   }
 
@@ -290,7 +290,7 @@ class EachQuery {
         function_(context_, query, ids.data(), ids.size()) != HS_CONTINUE;
   }
 
-  const World& world_;
+  const Tree& tree_;
   const Queries& queries_;
   hs_ids_function function_;
   void* context_;
@@ -298,14 +298,14 @@ class EachQuery {
   bool is_stopped_ = false;
 };
 
-template <typename World>
-hs_status QueryEach(const char* name, const World* world,
+template <typename Tree>
+hs_status QueryEach(const char* name, const Tree* tree,
                     const hs_columns* columns, const hs_query_options* options,
                     hs_ids_function function, void* context) {
   return Run(name, [&](const Call& call) {
-    const Queries queries(call, world, columns, options);
+    const Queries queries(call, tree, columns, options);
     call.CheckPointer("function", function);
-    EachQuery<World> each(*world, queries, function, context);
+    EachQuery<Tree> each(*tree, queries, function, context);
     queries.ForEach([&](const float* rows, std::size_t begin,
                         std::size_t count) { each.Run(rows, begin, count); });
   });
@@ -334,14 +334,14 @@ void CheckBoxes(const Call& call, const float* rows, std::size_t begin,
 }
 
 // Writes row after row of the nearest objects. `values` has the corners.
-template <typename World>
-void Nearest(const Call& call, const World& world, const hs_columns& columns,
+template <typename Tree>
+void Nearest(const Call& call, const Tree& tree, const hs_columns& columns,
              const Values& values, std::size_t k, float max_distance,
              const hs_query_options* options, std::uint32_t* ids,
              float* distances) {
   CheckLength(call, "max_distance", max_distance);
   const SearchOptions search = ReadSearch(call, options);
-  if (search.exclusive && world.layout.kind != PlaneLayout::kAabb) {
+  if (search.exclusive && tree.layout.kind != PlaneLayout::kAabb) {
     call.Fail(HS_INVALID_ARGUMENT, "options->exclusive",
               "expected 0, as the bounds are not boxes, got 1");
   }
@@ -364,35 +364,35 @@ void Nearest(const Call& call, const World& world, const hs_columns& columns,
                 }
                 const detail::NearQueries queries = {rows, values.minima,
                                                      values.count, count};
-                world.core.NearestOfEach(queries, k, max_distance, its_ids,
-                                         its_distances, search);
+                tree.core.NearestOfEach(queries, k, max_distance, its_ids,
+                                        its_distances, search);
               });
 }
 
-template <typename World>
-hs_status NearestToPoints(const char* name, const World* world,
+template <typename Tree>
+hs_status NearestToPoints(const char* name, const Tree* tree,
                           const hs_columns* points, std::size_t k,
                           float max_distance, const hs_query_options* options,
                           std::uint32_t* ids, float* distances) {
   return Run(name, [&](const Call& call) {
-    call.CheckPointer(kName<World>, world);
-    const std::size_t dims = world->layout.dims;
+    call.CheckPointer(kName<Tree>, tree);
+    const std::size_t dims = tree->layout.dims;
     CheckColumns(call, "points", points, 0, dims);
-    Nearest(call, *world, *points, Values::OfPoints(dims), k, max_distance,
+    Nearest(call, *tree, *points, Values::OfPoints(dims), k, max_distance,
             options, ids, distances);
   });
 }
 
-template <typename World>
-hs_status NearestToBoxes(const char* name, const World* world,
+template <typename Tree>
+hs_status NearestToBoxes(const char* name, const Tree* tree,
                          const hs_columns* boxes, std::size_t k,
                          float max_distance, const hs_query_options* options,
                          std::uint32_t* ids, float* distances) {
   return Run(name, [&](const Call& call) {
-    call.CheckPointer(kName<World>, world);
-    const Values values = Values::OfBoxes(world->layout.dims);
+    call.CheckPointer(kName<Tree>, tree);
+    const Values values = Values::OfBoxes(tree->layout.dims);
     CheckColumns(call, "boxes", boxes, values);
-    Nearest(call, *world, *boxes, values, k, max_distance, options, ids,
+    Nearest(call, *tree, *boxes, values, k, max_distance, options, ids,
             distances);
   });
 }
@@ -412,11 +412,11 @@ struct Casts {
 
 // Calls hit(cast, id, t) for what each touches: it returns the limit of t from
 // then on.
-template <typename World, typename Hit>
-void CastEach(const Call& call, const World* world, const Casts& casts,
+template <typename Tree, typename Hit>
+void CastEach(const Call& call, const Tree* tree, const Casts& casts,
               const hs_query_options* options, const Hit& hit) {
-  call.CheckPointer(kName<World>, world);
-  const std::size_t dims = world->layout.dims;
+  call.CheckPointer(kName<Tree>, tree);
+  const std::size_t dims = tree->layout.dims;
   const bool are_rays = casts.kind == Casts::kRays;
   const bool are_spheres = casts.kind == Casts::kSpheres;
   const Values values = are_rays      ? Values::OfColumns(2 * dims + 1)
@@ -463,67 +463,50 @@ void CastEach(const Call& call, const World* world, const Casts& casts,
           }};
           const detail::LineCast cast = {
               call.name(), start, high, motion, limit, radius, are_spheres};
-          world->core.Cast(cast, &decltype(one)::Run, &one, search);
+          tree->core.Cast(cast, &decltype(one)::Run, &one, search);
         }
       });
 }
 
-template <typename World>
-void CastFor(const Call& call, const World* world, const Casts& casts,
-             const hs_query_options* options, hs_hit_function function,
-             void* context) {
-  CastEach(call, world, casts, options,
-           [&](std::size_t i, std::uint32_t id, float t) {
-             return function(context, i, id, t);
-           });
-}
-
-template <typename World>
-hs_status Cast(const char* name, const World* world, const Casts& casts,
+template <typename Tree>
+hs_status Cast(const char* name, const Tree* tree, const Casts& casts,
                const hs_query_options* options, hs_hit_function function,
                void* context) {
   return Run(name, [&](const Call& call) {
     call.CheckPointer("function", function);
-    CastFor(call, world, casts, options, function, context);
+    CastEach(call, tree, casts, options,
+             [&](std::size_t i, std::uint32_t id, float t) {
+               return function(context, i, id, t);
+             });
   });
 }
 
 // Writes the first hit of each, and of those with the same t the one with the
 // least id.
-struct FirstHits {
-  FirstHits(const Call& call, std::size_t count, std::uint32_t* its_ids,
-            float* its_ts)
-      : ids(its_ids), ts(its_ts) {
-    call.CheckArray("ids", ids, count);
-    if (ts != nullptr) call.CheckPointer("ts", ts);
-    std::fill_n(ids, count, HS_NO_ID);
-    if (ts != nullptr) std::fill_n(ts, count, INFINITY);
-  }
-
-  std::uint32_t* ids;
-  float* ts;
-  float first_t = INFINITY;
-
-  static float Add(void* hits, std::size_t i, std::uint32_t id, float t) {
-    auto& its = *static_cast<FirstHits*>(hits);
-    if (its.ids[i] == HS_NO_ID || t < its.first_t ||
-        (t == its.first_t && id < its.ids[i])) {
-      its.ids[i] = id;
-      its.first_t = t;
-      if (its.ts != nullptr) its.ts[i] = t;
-    }
-    return its.first_t;
-  }
-};
-
-template <typename World>
-hs_status CastFirst(const char* name, const World* world, const Casts& casts,
+template <typename Tree>
+hs_status CastFirst(const char* name, const Tree* tree, const Casts& casts,
                     const hs_query_options* options, std::uint32_t* ids,
                     float* ts) {
   return Run(name, [&](const Call& call) {
     call.CheckPointer(casts.name(), casts.starts);
-    FirstHits hits(call, casts.starts->count, ids, ts);
-    CastFor(call, world, casts, options, &FirstHits::Add, &hits);
+    const std::size_t count = casts.starts->count;
+    call.CheckArray("ids", ids, count);
+    std::fill_n(ids, count, HS_NO_ID);
+    if (ts != nullptr) {
+      call.CheckPointer("ts", ts);
+      std::fill_n(ts, count, INFINITY);
+    }
+    float first_t = INFINITY;
+    CastEach(call, tree, casts, options,
+             [&](std::size_t i, std::uint32_t id, float t) {
+               if (ids[i] == HS_NO_ID || t < first_t ||
+                   (t == first_t && id < ids[i])) {
+                 ids[i] = id;
+                 first_t = t;
+                 if (ts != nullptr) ts[i] = t;
+               }
+               return first_t;
+             });
   });
 }
 

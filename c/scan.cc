@@ -138,7 +138,7 @@ struct ScanCall {
 
 using halfspace::c::Call;
 using halfspace::c::ForEachRows;
-using halfspace::c::Results;
+using halfspace::c::ResultRoom;
 using halfspace::c::Run;
 using halfspace::c::ScanCall;
 namespace detail = halfspace::detail;
@@ -212,7 +212,7 @@ hs_status hs_scan_indices(const hs_scan* scan, const hs_columns* queries,
       call.CheckPointer("offsets", offsets);
       offsets[0] = 0;
     }
-    Results<uint32_t> results(indices, room, scans.skip);
+    ResultRoom<uint32_t> results(indices, room, scans.skip);
     ForEachRows(*queries, scan->queries,
                 [&](const float* rows, size_t begin, size_t count) {
                   for (size_t q = 0; q < count; ++q) {
@@ -278,8 +278,8 @@ hs_status hs_scan_pairs(const hs_scan* scan, const hs_columns* queries,
       call.Fail(HS_INVALID_ARGUMENT, "queries->count",
                 "expected fewer than 2^32, got %zu", queries->count);
     }
-    Results<uint32_t> of_queries(query_indices, room, scans.skip);
-    Results<uint32_t> of_objects(object_indices, room, scans.skip);
+    ResultRoom<uint32_t> of_queries(query_indices, room, scans.skip);
+    ResultRoom<uint32_t> of_objects(object_indices, room, scans.skip);
     ForEachRows(*queries, scan->queries,
                 [&](const float* rows, size_t begin, size_t count) {
                   const size_t written = of_queries.written();

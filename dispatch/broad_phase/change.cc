@@ -80,18 +80,18 @@ void Sort(BroadPhaseState& state, Changing& changing,
   wear.changes =
       static_cast<std::uint32_t>(std::min(wear.changes + changed, tree.size()));
   if (changed > 0) {
-    state.is_sorted_enough = false;
+    state.needs_no_sort = false;
     if (wear.updates <= kOften) ++wear.updates;
   }
   const std::size_t due = kSortedPerChange * wear.changes;
   if (options.budget == 0 || tree.size() == 0) return;
   const std::size_t least_due = std::min(tree.size() / 32, kLeastSorted);
   if (is_automatic && changed > 0 && due < least_due) return;
-  if (is_automatic && state.is_sorted_enough) return;
+  if (is_automatic && state.needs_no_sort) return;
   const double ratio = tree.CostRatio();
   if (!(ratio > kDecayed)) {
     wear.changes = 0;
-    state.is_sorted_enough = true;
+    state.needs_no_sort = true;
     return;
   }
   const bool is_all_decayed = ratio > kAllDecayed;
@@ -102,8 +102,8 @@ void Sort(BroadPhaseState& state, Changing& changing,
     if (ratio > kWorn && !IsSmallSet(changed, tree.size())) return;
     budget = tree.size() / 16;
     if (!is_all_decayed) {
-      state.is_sorted_enough = due < std::min(tree.size(), kLeastSorted);
-      if (state.is_sorted_enough) return;
+      state.needs_no_sort = due < std::min(tree.size(), kLeastSorted);
+      if (state.needs_no_sort) return;
       budget = std::min(budget, due);
     }
   } else if (is_all_decayed && budget >= tree.size()) {

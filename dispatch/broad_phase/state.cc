@@ -154,7 +154,7 @@ void BroadPhaseState::Assign(const BroadPhaseState& from) {
   collides_with = from.collides_with;
   events = from.events;
   wear = from.wear;
-  is_sorted_enough = from.is_sorted_enough;
+  needs_no_sort = from.needs_no_sort;
   const BvhLevels& levels = tree.levels();
   records.Assign(from.records, [level = levels.level[0], slots = levels.slots](
                                    std::uint32_t id, std::size_t plane) {
@@ -169,7 +169,7 @@ void BroadPhaseState::Swap(BroadPhaseState& other) {
   swap(tree, other.tree);
   swap(events, other.events);
   std::swap(wear, other.wear);
-  std::swap(is_sorted_enough, other.is_sorted_enough);
+  std::swap(needs_no_sort, other.needs_no_sort);
   changed_slots.swap(other.changed_slots);
   collides_with.swap(other.collides_with);
 }

@@ -109,7 +109,7 @@ class BroadPhaseState {
   Wear wear;
   // Whether an Update() with an automatic budget would compute the cost ratio
   // again and sort nothing, because no body has changed since the last one.
-  bool is_sorted_enough = false;
+  bool needs_no_sort = false;
   // A bit for each slot and each node of the tree: room for Flush().
   BlockVector<std::uint64_t> changed_slots;
   // By id. Empty until a body gets a mask that is not all ones.

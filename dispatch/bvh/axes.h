@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "kernels/bvh/block.h"
+#include "kernels/bvh/kernel_table.h"
 
 namespace halfspace::detail {
 

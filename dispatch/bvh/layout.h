@@ -18,7 +18,7 @@
 #include "halfspace/detail/plane_arrays.h"
 #include "halfspace/memory.h"
 #include "halfspace/runner.h"
-#include "kernels/bvh/block.h"
+#include "kernels/bvh/kernel_table.h"
 
 namespace halfspace::detail {
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "dispatch/default_fp_mode.h"
-#include "kernels/bvh/block.h"
+#include "kernels/bvh/kernel_table.h"
 #include "kernels/compiler.h"
 
 namespace halfspace::detail {

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "dispatch/bvh/axes.h"
-#include "kernels/bvh/block.h"
+#include "kernels/bvh/kernel_table.h"
 
 namespace halfspace::detail {
 

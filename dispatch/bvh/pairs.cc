@@ -16,17 +16,13 @@
 #include "dispatch/errors/number_checks.h"
 #include "dispatch/sink.h"
 #include "halfspace/bvh_pairs.h"
-#include "kernels/bvh/block.h"
+#include "kernels/bvh/kernel_table.h"
 #include "kernels/compiler.h"
 
 namespace halfspace::detail {
 namespace {
 
 using PairSink = dispatch::Sink<Results<IdPair>, IdPair, 256>;
-
-std::uint64_t BitOf(std::size_t i) {
-  return std::uint64_t{1} << i % kBlockObjects;
-}
 
 // Checks a set before it allocates memory, and before any pair is written.
 void CheckSet(const BvhTree& tree, Span<const std::uint32_t> ids,

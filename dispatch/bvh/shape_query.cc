@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "dispatch/outward.h"
-#include "kernels/bvh/block.h"
+#include "kernels/bvh/kernel_table.h"
 #include "kernels/compiler.h"
 
 namespace halfspace::detail {

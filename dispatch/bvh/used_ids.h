@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "kernels/bvh/levels.h"
+
 namespace halfspace::detail {
 
 // A set of ids below a limit, in memory of the caller. It has a bit for each
@@ -95,10 +97,6 @@ class UsedIds {
   static constexpr std::size_t WordsOf(std::size_t bits) {
     return (bits + 63) / 64;
   }
-  static std::uint64_t BitOf(std::size_t i) {
-    return std::uint64_t{1} << i % 64;
-  }
-
   static std::size_t LeastOf(const std::uint64_t* level, std::size_t limit) {
     const std::size_t w =
         limit <= 64 ? 0 : LeastOf(level + WordsOf(limit), WordsOf(limit));

@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "halfspace/bounds.h"
-#include "halfspace/detail/bulk.h"
+#include "halfspace/detail/fit_many.h"
 #include "halfspace/fit.h"
 #include "halfspace/shapes.h"
 #include "kernels/fit_many/kernel_table.h"

@@ -36,7 +36,7 @@ void CheckPlanes(const detail::Scan& scan, const PlaneAt& plane_at,
 
 template <typename PlaneAt>
 void CheckApart(const detail::Scan& scan, const PlaneAt& plane_at,
-                std::size_t plane_bytes, const Output& output) {
+                std::size_t plane_bytes, const CallOutput& output) {
   for (std::size_t p = 0; p < scan.type->plane_count; ++p) {
     if (Overlap(plane_at(p), plane_bytes, output.begin,
                 output.used * output.bytes)) {
@@ -91,7 +91,7 @@ void CheckIndicesFit(const detail::Scan& scan) {
 }  // namespace
 
 std::size_t CheckEach(const detail::Scan& scan, const Options& options,
-                      const Output& output) {
+                      const CallOutput& output) {
   CheckWorld(scan);
   const Range& range = options.range;
   if (range.begin > range.end) {
@@ -108,7 +108,7 @@ std::size_t CheckEach(const detail::Scan& scan, const Options& options,
   return target;
 }
 
-void CheckOutput(const detail::Scan& scan, const Output& output) {
+void CheckOutput(const detail::Scan& scan, const CallOutput& output) {
   if (output.are_indices) CheckIndicesFit(scan);
   if (output.size < output.used) {
     const std::size_t objects = scan.end - scan.begin;

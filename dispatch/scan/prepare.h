@@ -47,7 +47,7 @@ inline constexpr std::uint64_t kMostIndices = std::uint64_t{1} << 32;
 
 // The output of a call: `used` elements of `bytes` each. If `used` is 0, it is
 // not checked.
-struct Output {
+struct CallOutput {
   const char* argument;
   const void* begin;
   std::size_t size;
@@ -66,8 +66,8 @@ inline const void* PlaneAt(const detail::Scan& scan, std::size_t p) {
 // The index of the target that runs. Throws (error.h), in the name of
 // scan.call, if something is wrong.
 std::size_t CheckEach(const detail::Scan& scan, const Options& options,
-                      const Output& output);
-void CheckOutput(const detail::Scan& scan, const Output& output);
+                      const CallOutput& output);
+void CheckOutput(const detail::Scan& scan, const CallOutput& output);
 
 // The kernel for all planes, by bound type and schedule. docs/design.md
 // explains the defaults.
@@ -113,7 +113,7 @@ inline std::int64_t Run(const detail::Scan& scan, const detail::Chunk& chunk) {
 // Whether an output is null or misaligned, or may overlap a plane or a query.
 // Usually all planes are in one block of memory and the output is outside of
 // it, so one compare is enough. Differences wrap.
-inline bool IsSuspect(const detail::Scan& scan, const Output& output) {
+inline bool IsSuspect(const detail::Scan& scan, const CallOutput& output) {
   const std::size_t bytes = output.used * output.bytes;
   const auto begin = reinterpret_cast<std::uintptr_t>(output.begin);
   const auto queries = reinterpret_cast<std::uintptr_t>(scan.queries);
@@ -141,7 +141,7 @@ inline void Prepare(detail::Scan& scan, const Options& options,
   scan.call = call;
   scan.begin = std::min(range.begin, scan.size);
   scan.end = std::min(range.end, scan.size);
-  const Output output = output_of(scan.end - scan.begin);
+  const CallOutput output = output_of(scan.end - scan.begin);
   const auto queries = reinterpret_cast<std::uintptr_t>(scan.queries);
   const auto schedule = static_cast<std::size_t>(options.schedule);
   std::size_t target = KnownIndexOf(options.target);
@@ -161,7 +161,7 @@ inline void Prepare(detail::Scan& scan, const Options& options,
 }
 inline void Prepare(detail::Scan& scan, const Options& options,
                     const char* call) {
-  Prepare(scan, options, call, [](std::size_t) { return Output{}; });
+  Prepare(scan, options, call, [](std::size_t) { return CallOutput{}; });
 }
 
 // Chooses how a prepared scan that is not short goes through its planes.

@@ -12,8 +12,8 @@
 namespace halfspace::detail {
 namespace {
 
+using dispatch::CallOutput;
 using dispatch::OneQuery;
-using dispatch::Output;
 using dispatch::Tested;
 
 // A function of its own, because its buffers would make the stack frame of its
@@ -28,8 +28,8 @@ inline void WriteMask(Scan& scan, Span<std::uint64_t> mask,
                       const Options& options, const char* call,
                       std::uint64_t flip) {
   dispatch::Prepare(scan, options, call, [mask](std::size_t objects) {
-    return Output{"mask", mask.data(), mask.size(), MaskWords(objects),
-                  sizeof(std::uint64_t)};
+    return CallOutput{"mask", mask.data(), mask.size(), MaskWords(objects),
+                      sizeof(std::uint64_t)};
   });
   if (scan.type->encode != nullptr) {
     dispatch::ChooseKernel(scan, options);
@@ -56,12 +56,12 @@ std::size_t Survivors(Scan&& scan, Span<std::uint32_t> indices,
                       const Options& options, std::size_t skip) {
   // No more than one index for each object of the range is ever written.
   dispatch::Prepare(scan, options, "Survivors", [=](std::size_t objects) {
-    return Output{"indices",
-                  indices.data(),
-                  indices.size(),
-                  std::min(indices.size(), objects),
-                  sizeof(std::uint32_t),
-                  true};
+    return CallOutput{"indices",
+                      indices.data(),
+                      indices.size(),
+                      std::min(indices.size(), objects),
+                      sizeof(std::uint32_t),
+                      true};
   });
   std::size_t count = 0;
   dispatch::VisitWords<OneQuery>(scan, options, [&](const Tested& tested) {
@@ -81,7 +81,7 @@ std::size_t Survivors(Scan&& scan, Span<std::uint32_t> indices,
 void ForEachSurvivor(Scan&& scan, SomeFunction function, void* context,
                      const Options& options) {
   dispatch::Prepare(scan, options, "ForEachSurvivor", [](std::size_t) {
-    return Output{"indices", nullptr, 0, 0, sizeof(std::uint32_t), true};
+    return CallOutput{"indices", nullptr, 0, 0, sizeof(std::uint32_t), true};
   });
   std::array<std::uint32_t, 32> some;  // a call takes at most 8 KiB of stack
   std::size_t count = 0;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
@@ -18,10 +19,10 @@
 namespace halfspace::detail {
 namespace {
 
-// Runs a scan of a shape as a scan with a query. A function of its own,
-// because its list would make the stack frame of its caller large.
+// Calls ask(scan, query) with a shape as the query of a scan. A function of its
+// own, because its list would make the stack frame of its caller large.
 template <typename Ask>
-HALFSPACE_NOINLINE auto WithQuery(ShapeScan& shape, const char* call,
+HALFSPACE_NOINLINE void WithQuery(const ShapeScan& shape, const char* call,
                                   const Ask& ask) {
   if (shape.count > kMostHalfSpaces) {
     dispatch::ThrowInvalid(call, "half-spaces",
@@ -35,67 +36,32 @@ HALFSPACE_NOINLINE auto WithQuery(ShapeScan& shape, const char* call,
   HalfSpaceQuery query;
   dispatch::InDefaultFpMode([&] { MakeHalfSpaceQuery(type, shape, query); });
   type.all_kernels = &KernelsOfAll<TargetKernels>::kTargets;
-  shape.scan.type = &type;
-  shape.scan.queries = &query;
-  shape.scan.query_count = 1;
-  return ask(shape.scan, query);
+  Scan scan = shape.scan;
+  scan.type = &type;
+  scan.queries = &query;
+  scan.query_count = 1;
+  ask(std::move(scan), query);
 }
 
 }  // namespace
 
-void RejectMask(ShapeScan&& shape, Span<std::uint64_t> mask,
-                const Options& options) {
-  WithQuery(shape, "RejectMask", [&](const Scan& scan, HalfSpaceQuery&) {
-    RejectMask(Scan(scan), mask, options);
+void RunShape(const ShapeScan& shape, const char* call,
+              void (*run)(void* context, Scan&& scan), void* context) {
+  WithQuery(shape, call, [&](Scan&& scan, HalfSpaceQuery&) {
+    run(context, std::move(scan));
   });
 }
 
-void SurvivorMask(ShapeScan&& shape, Span<std::uint64_t> mask,
-                  const Options& options) {
-  WithQuery(shape, "SurvivorMask", [&](const Scan& scan, HalfSpaceQuery&) {
-    SurvivorMask(Scan(scan), mask, options);
-  });
-}
-
-std::size_t Survivors(ShapeScan&& shape, Span<std::uint32_t> indices,
-                      const Options& options, std::size_t skip) {
-  return WithQuery(shape, "Survivors", [&](const Scan& scan, HalfSpaceQuery&) {
-    return Survivors(Scan(scan), indices, options, skip);
-  });
-}
-
-std::size_t CountSurvivors(ShapeScan&& shape, const Options& options) {
-  return WithQuery(shape, "CountSurvivors",
-                   [&](const Scan& scan, HalfSpaceQuery&) {
-                     return CountSurvivors(Scan(scan), options);
-                   });
-}
-
-std::size_t AnySurvivor(ShapeScan&& shape, const Options& options) {
-  return WithQuery(shape, "AnySurvivor",
-                   [&](const Scan& scan, HalfSpaceQuery&) {
-                     return AnySurvivor(Scan(scan), options);
-                   });
-}
-
-void ForEachSurvivor(ShapeScan&& shape, SomeFunction function, void* context,
-                     const Options& options) {
-  WithQuery(shape, "ForEachSurvivor", [&](const Scan& scan, HalfSpaceQuery&) {
-    ForEachSurvivor(Scan(scan), function, context, options);
-  });
-}
-
-void ClassifyMasks(ShapeScan&& shape, Span<std::uint64_t> survivors,
+void ClassifyMasks(const ShapeScan& shape, Span<std::uint64_t> survivors,
                    Span<std::uint64_t> inside, const Options& options) {
   constexpr const char* kCall = "ClassifyMasks";
-  WithQuery(shape, kCall, [&](const Scan& checked, HalfSpaceQuery& query) {
-    Scan scan = checked;
+  WithQuery(shape, kCall, [&](Scan&& scan, HalfSpaceQuery& query) {
     std::size_t words = 0;
     const auto prepare = [&](const char* name, Span<std::uint64_t> mask) {
       dispatch::Prepare(scan, options, kCall, [&](std::size_t objects) {
         words = MaskWords(objects);
-        return dispatch::Output{name, mask.data(), mask.size(), words,
-                                sizeof(std::uint64_t)};
+        return dispatch::CallOutput{name, mask.data(), mask.size(), words,
+                                    sizeof(std::uint64_t)};
       });
     };
     prepare("survivors", survivors);

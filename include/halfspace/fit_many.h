@@ -50,7 +50,7 @@
 #include <utility>
 
 #include "halfspace/bounds.h"
-#include "halfspace/detail/bulk.h"
+#include "halfspace/detail/fit_many.h"
 #include "halfspace/export.h"
 #include "halfspace/fit_status.h"
 #include "halfspace/planes.h"

@@ -40,6 +40,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "halfspace/bounds.h"
 #include "halfspace/detail/scan.h"
@@ -130,7 +131,10 @@ template <typename AnyWorld, typename Query = typename AnyWorld::Query,
           typename Asked = detail::AskedOf<AnyWorld, Query>>
 void RejectMask(const AnyWorld& world, const Query& query,
                 Span<std::uint64_t> mask, const Options& options = {}) {
-  detail::RejectMask(Asked::Of(world.view(), query), mask, options);
+  detail::Ask(Asked::Of(world.view(), query), "RejectMask",
+              [&](detail::Scan&& scan) {
+                detail::RejectMask(std::move(scan), mask, options);
+              });
 }
 
 // Writes the survivor mask: 1 = survives. Layout and errors: as RejectMask().
@@ -139,7 +143,10 @@ template <typename AnyWorld, typename Query = typename AnyWorld::Query,
           typename Asked = detail::AskedOf<AnyWorld, Query>>
 void SurvivorMask(const AnyWorld& world, const Query& query,
                   Span<std::uint64_t> mask, const Options& options = {}) {
-  detail::SurvivorMask(Asked::Of(world.view(), query), mask, options);
+  detail::Ask(Asked::Of(world.view(), query), "SurvivorMask",
+              [&](detail::Scan&& scan) {
+                detail::SurvivorMask(std::move(scan), mask, options);
+              });
 }
 
 // Writes the indices of the survivors in ascending order and returns the number
@@ -156,8 +163,10 @@ template <typename AnyWorld, typename Query = typename AnyWorld::Query,
                                     Span<std::uint32_t> indices,
                                     const Options& options = {},
                                     std::size_t skip = 0) {
-  return detail::Survivors(Asked::Of(world.view(), query), indices, options,
-                           skip);
+  return detail::Ask(
+      Asked::Of(world.view(), query), "Survivors", [&](detail::Scan&& scan) {
+        return detail::Survivors(std::move(scan), indices, options, skip);
+      });
 }
 
 // Returns the number of survivors. Errors: as RejectMask().
@@ -166,7 +175,10 @@ template <typename AnyWorld, typename Query = typename AnyWorld::Query,
 [[nodiscard]] std::size_t CountSurvivors(const AnyWorld& world,
                                          const Query& query,
                                          const Options& options = {}) {
-  return detail::CountSurvivors(Asked::Of(world.view(), query), options);
+  return detail::Ask(Asked::Of(world.view(), query), "CountSurvivors",
+                     [&](detail::Scan&& scan) {
+                       return detail::CountSurvivors(std::move(scan), options);
+                     });
 }
 
 // Returns the index of the first survivor, or std::nullopt if no object
@@ -178,8 +190,10 @@ template <typename AnyWorld, typename Query = typename AnyWorld::Query,
           typename Asked = detail::AskedOf<AnyWorld, Query>>
 [[nodiscard]] std::optional<std::size_t> AnySurvivor(
     const AnyWorld& world, const Query& query, const Options& options = {}) {
-  const std::size_t first =
-      detail::AnySurvivor(Asked::Of(world.view(), query), options);
+  const std::size_t first = detail::Ask(
+      Asked::Of(world.view(), query), "AnySurvivor", [&](detail::Scan&& scan) {
+        return detail::AnySurvivor(std::move(scan), options);
+      });
   if (first == detail::kNoSurvivor) return std::nullopt;
   return first;
 }
@@ -199,8 +213,11 @@ template <typename AnyWorld, typename Function,
 void ForEachSurvivor(const AnyWorld& world, const Query& query,
                      Function&& function, const Options& options = {}) {
   detail::Callback call{function};
-  detail::ForEachSurvivor(Asked::Of(world.view(), query), &decltype(call)::Run,
-                          &call, options);
+  detail::Ask(Asked::Of(world.view(), query), "ForEachSurvivor",
+              [&](detail::Scan&& scan) {
+                detail::ForEachSurvivor(std::move(scan), &decltype(call)::Run,
+                                        &call, options);
+              });
 }
 
 }  // namespace halfspace

@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "hwy/highway.h"
-#include "kernels/bvh/block.h"
+#include "kernels/bvh/kernel_table.h"
 #include "kernels/scan/words-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -13,8 +13,8 @@
 #include <cstdint>
 
 #include "hwy/highway.h"
-#include "kernels/bvh/block.h"
 #include "kernels/bvh/blocks-inl.h"
+#include "kernels/bvh/kernel_table.h"
 #include "kernels/bvh/nearest.h"
 #include "kernels/bvh/shape_query.h"
 #include "kernels/bvh/shapes-inl.h"

@@ -10,7 +10,7 @@
 #include <cstdint>
 
 #include "hwy/highway.h"
-#include "kernels/bvh/block.h"
+#include "kernels/bvh/kernel_table.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace halfspace {
@@ -21,8 +21,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 // The number of axes that centers have. The last axis of a simplex, and a
 // fourth axis, follow from the others.
 template <size_t kAxes, bool kHasMax>
-inline constexpr size_t kCenterAxes = HWY_MIN(kHasMax ? kAxes : kAxes - 1,
-                                              detail::kCenterAxes);
+inline constexpr size_t kAxesOfCenters = HWY_MIN(kHasMax ? kAxes : kAxes - 1,
+                                                 detail::kCenterAxes);
 
 template <class D>
 HWY_INLINE hn::Vec<D> NumberOrLast(D d, hn::Vec<D> center) {
@@ -53,7 +53,7 @@ void FindCenters(const detail::Columns& objects, size_t first, size_t count,
     }
     for (size_t k = 0; k < detail::kCenterAxes; ++k) {
       auto center = hn::Zero(d);
-      if (k < kCenterAxes<kAxes, kHasMax>) {
+      if (k < kAxesOfCenters<kAxes, kHasMax>) {
         center = hn::Load(d, values[k] + i);
         if constexpr (kHasMax) {
           center = hn::Add(hn::Mul(half, center),

@@ -1,7 +1,7 @@
 // The codes of objects, and the parameters of the kernels of BVHs. No Highway
 // here.
-#ifndef HALFSPACE_KERNELS_BVH_BLOCK_H_
-#define HALFSPACE_KERNELS_BVH_BLOCK_H_
+#ifndef HALFSPACE_KERNELS_BVH_KERNEL_TABLE_H_
+#define HALFSPACE_KERNELS_BVH_KERNEL_TABLE_H_
 
 #include <array>
 #include <bit>
@@ -193,4 +193,4 @@ struct KernelsOfAll {
 
 }  // namespace halfspace::detail
 
-#endif  // HALFSPACE_KERNELS_BVH_BLOCK_H_
+#endif  // HALFSPACE_KERNELS_BVH_KERNEL_TABLE_H_

@@ -17,6 +17,11 @@ inline constexpr std::size_t kMostLevels = 6;
 // tree with codes has a level 2, where PlainWalk begins (walk-inl.h).
 inline constexpr std::size_t kMostWithoutCodes = kBlockObjects * kBlockObjects;
 
+// The bit of an object or a node, or of an id, in its word.
+constexpr std::uint64_t BitOf(std::size_t i) {
+  return std::uint64_t{1} << i % kBlockObjects;
+}
+
 // Level 0 has the objects. Node i of another level encloses block i of the
 // level below it: 64 consecutive objects or nodes.
 struct BvhLevel {
@@ -54,8 +59,8 @@ struct BvhLevel {
   }
 };
 
-// How the values of objects become codes (kernels/bvh/block.h). Lane k has the
-// minima of axis k, lane kMaxLane + k the negated maxima.
+// How the values of objects become codes (kernels/bvh/kernel_table.h). Lane k
+// has the minima of axis k, lane kMaxLane + k the negated maxima.
 struct alignas(64) CodeMap {
   static constexpr std::size_t kMaxLane = 4;
   static constexpr std::size_t kLanes = 8;

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "kernels/bvh/block.h"
+#include "kernels/bvh/kernel_table.h"
 #include "kernels/bvh/shape_query.h"
 
 namespace halfspace::detail {

@@ -15,8 +15,8 @@
 #include <limits>
 
 #include "hwy/highway.h"
-#include "kernels/bvh/block.h"
 #include "kernels/bvh/blocks-inl.h"
+#include "kernels/bvh/kernel_table.h"
 #include "kernels/bvh/nearest.h"
 #include "kernels/bvh/shapes-inl.h"
 #include "kernels/bvh/sorted-inl.h"

@@ -16,8 +16,8 @@
 #include <utility>
 
 #include "hwy/highway.h"
-#include "kernels/bvh/block.h"
 #include "kernels/bvh/blocks-inl.h"
+#include "kernels/bvh/kernel_table.h"
 #include "kernels/bvh/walk-inl.h"
 #include "kernels/scan/words-inl.h"
 
@@ -39,6 +39,11 @@ HWY_INLINE void StorePairs(__m512i a, __m512i b, uint32_t* to) {
 }
 #endif
 
+// The queries of this walk are objects too: a query is some objects of one
+// block, its members, and `own` is their block. It walks with the bound around
+// them. A leaf that it reaches is joined with them, member by member. With
+// masks, `wanted_` has the masks that the other object of a pair must have one
+// bit of.
 template <size_t kAxes>
 class PairWalker
     : public Walker<PlaneQueries<kAxes, true>, true, PairWalker<kAxes>> {

@@ -15,8 +15,8 @@
 #include <limits>
 
 #include "hwy/highway.h"
-#include "kernels/bvh/block.h"
 #include "kernels/bvh/half_space_sum-inl.h"
+#include "kernels/bvh/kernel_table.h"
 #include "kernels/bvh/shape_query.h"
 #include "kernels/scan/words-inl.h"
 

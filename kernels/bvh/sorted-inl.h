@@ -10,7 +10,7 @@
 #include <cstdint>
 
 #include "hwy/highway.h"
-#include "kernels/bvh/block.h"
+#include "kernels/bvh/kernel_table.h"
 #include "kernels/compiler.h"
 #include "kernels/scan/words-inl.h"
 

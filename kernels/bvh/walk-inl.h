@@ -11,9 +11,9 @@
 #include <type_traits>
 
 #include "hwy/highway.h"
-#include "kernels/bvh/block.h"
 #include "kernels/bvh/blocks-inl.h"
 #include "kernels/bvh/curve-inl.h"
+#include "kernels/bvh/kernel_table.h"
 #include "kernels/compiler.h"
 #include "kernels/scan/words-inl.h"
 
@@ -604,7 +604,7 @@ void RunPlaneWalk(const detail::Walk& walk) {
 template <size_t kAxes, bool kHasMax>
 constexpr detail::BvhKernels::OfPlanes MakeBvhKernelsOf() {
   return {&FindCenters<kAxes, kHasMax>,
-          &FindPlaces<kCenterAxes<kAxes, kHasMax>>,
+          &FindPlaces<kAxesOfCenters<kAxes, kHasMax>>,
           &EncodeBlocks<kAxes, kHasMax>,
           &NearestNode<kAxes, kHasMax>,
           &RunPlaneWalk<kAxes, kHasMax, true>,

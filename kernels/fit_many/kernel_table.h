@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "halfspace/detail/bulk.h"
+#include "halfspace/detail/fit_many.h"
 
 namespace halfspace::kernels {
 

@@ -1,8 +1,8 @@
 // Internal. The calls of fit_many.h after the types are gone: the boundary
 // between the caller's translation unit and the library. Not part of the
 // interface.
-#ifndef HALFSPACE_DETAIL_BULK_H_
-#define HALFSPACE_DETAIL_BULK_H_
+#ifndef HALFSPACE_DETAIL_FIT_MANY_H_
+#define HALFSPACE_DETAIL_FIT_MANY_H_
 
 #include <array>
 #include <cstddef>
@@ -173,4 +173,4 @@ HALFSPACE_API Target BoundPointSets(const Source& points,
 }  // namespace detail
 }  // namespace halfspace
 
-#endif  // HALFSPACE_DETAIL_BULK_H_
+#endif  // HALFSPACE_DETAIL_FIT_MANY_H_

@@ -260,21 +260,32 @@ struct ShapeScan {
   float radius = 0;
 };
 
-HALFSPACE_API void RejectMask(ShapeScan&& shape, Span<std::uint64_t> mask,
-                              const Options& options);
-HALFSPACE_API void SurvivorMask(ShapeScan&& shape, Span<std::uint64_t> mask,
-                                const Options& options);
-HALFSPACE_API std::size_t Survivors(ShapeScan&& shape,
-                                    Span<std::uint32_t> indices,
-                                    const Options& options, std::size_t skip);
-HALFSPACE_API std::size_t CountSurvivors(ShapeScan&& shape,
-                                         const Options& options);
-HALFSPACE_API std::size_t AnySurvivor(ShapeScan&& shape,
-                                      const Options& options);
-HALFSPACE_API void ForEachSurvivor(ShapeScan&& shape, SomeFunction function,
-                                   void* context, const Options& options);
+// Calls run(context, scan) with the scan of a shape, after its checks.
+HALFSPACE_API void RunShape(const ShapeScan& shape, const char* call,
+                            void (*run)(void* context, Scan&& scan),
+                            void* context);
 
-HALFSPACE_API void ClassifyMasks(ShapeScan&& shape,
+// Returns function(scan), with a scan or with that of a shape.
+template <typename Function>
+auto Ask(Scan&& scan, const char*, const Function& function) {
+  return function(std::move(scan));
+}
+template <typename Function>
+auto Ask(const ShapeScan& shape, const char* call, const Function& function) {
+  using Result = decltype(function(std::declval<Scan>()));
+  if constexpr (std::is_void_v<Result>) {
+    const auto run = [](void* context, Scan&& scan) {
+      (*static_cast<const Function*>(context))(std::move(scan));
+    };
+    RunShape(shape, call, run, const_cast<Function*>(&function));
+  } else {
+    Result result{};
+    Ask(shape, call, [&](Scan&& scan) { result = function(std::move(scan)); });
+    return result;
+  }
+}
+
+HALFSPACE_API void ClassifyMasks(const ShapeScan& shape,
                                  Span<std::uint64_t> survivors,
                                  Span<std::uint64_t> inside,
                                  const Options& options);

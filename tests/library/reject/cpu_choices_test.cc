@@ -132,9 +132,11 @@ TEST(WideVectorsTest, CallsHaveTheSameAnswers) {
                                                exact, some, targets));
       }
       for (Target target : targets) {
-        detail::SurvivorMask(
-            detail::ShapeScan{all.floats().Asked({}), half_spaces, 2}, mask,
-            {.target = target});
+        detail::Ask(detail::ShapeScan{all.floats().Asked({}), half_spaces, 2},
+                    "SurvivorMask", [&](detail::Scan&& scan) {
+                      detail::SurvivorMask(std::move(scan), mask,
+                                           {.target = target});
+                    });
         if (expected.empty()) expected = mask;
         EXPECT_EQ(mask, expected) << target.name();
       }

@@ -86,8 +86,11 @@ class DifferentialTest : public ::testing::TestWithParam<FlatCase> {
             ? std::vector<float>{1, 0, 0, 0.5f, -1, 1}
             : std::vector<float>{1, 0, 0, 0, 0.5f, -1, 0, 1};
     const auto survivors = [&](std::span<std::uint64_t> mask, Target target) {
-      detail::SurvivorMask(detail::ShapeScan{world.Asked({}), values.data(), 2},
-                           mask, {.target = target});
+      detail::Ask(detail::ShapeScan{world.Asked({}), values.data(), 2},
+                  "SurvivorMask", [&](detail::Scan&& scan) {
+                    detail::SurvivorMask(std::move(scan), mask,
+                                         {.target = target});
+                  });
     };
     std::vector<std::uint64_t> expected(MaskWords(world.size()));
     survivors(expected, targets_.back());
