@@ -6,8 +6,9 @@
 #include <chrono>
 #include <cstddef>
 #include <ctime>
+#include <exception>
 #include <functional>
-#include <future>
+#include <thread>
 #include <vector>
 
 namespace halfspace::bench {
@@ -47,21 +48,37 @@ inline TeamTime RunTeam(std::size_t threads,
     Clock::time_point start;
     Clock::time_point end;
     double cpu = 0.0;
+    std::exception_ptr error;
   };
-  const auto run = [&work](std::size_t i) {
+  std::vector<Result> results(threads);
+  const auto run = [&](std::size_t i) {
+    Result& result = results[i];
     const double cpu = ThreadSeconds();
-    Result result{Clock::now(), {}};
-    work(i);
+    result.start = Clock::now();
+    try {
+      work(i);
+    } catch (...) {
+      result.error = std::current_exception();
+    }
     result.end = Clock::now();
     result.cpu = ThreadSeconds() - cpu;
-    return result;
   };
-  std::vector<std::future<Result>> others;
-  for (std::size_t i = 1; i < threads; ++i) {
-    others.push_back(std::async(std::launch::async, run, i));
+  {
+    // Not std::async, which Debian's libstdc++ for armel lacks.
+    struct Others {
+      std::vector<std::thread> threads;
+      ~Others() {
+        for (std::thread& thread : threads) thread.join();
+      }
+    } others;
+    for (std::size_t i = 1; i < threads; ++i) {
+      others.threads.emplace_back(run, i);
+    }
+    run(0);
   }
-  std::vector<Result> results = {run(0)};
-  for (std::future<Result>& other : others) results.push_back(other.get());
+  for (const Result& result : results) {
+    if (result.error) std::rethrow_exception(result.error);
+  }
   TeamTime time;
   Clock::time_point start = results[0].start;
   Clock::time_point end = results[0].end;

@@ -19,7 +19,9 @@ class Random {
   float Signed() {
     return static_cast<float>(engine_() >> 40) * 0x1p-23f - 1.0f;
   }
-  std::size_t Below(std::size_t count) { return engine_() % count; }
+  std::size_t Below(std::size_t count) {
+    return static_cast<std::size_t>(engine_() % count);
+  }
 
  private:
   std::mt19937_64 engine_;

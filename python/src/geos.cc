@@ -227,7 +227,8 @@ class Geometries {
   }
 
   // Null if it is not there.
-  const Geometry* operator[](std::size_t i) const {
+  const Geometry* operator[](std::uint64_t at) const {
+    const auto i = static_cast<std::size_t>(at);
     if (geos.read != nullptr) return pointers_[i];
     const py::gil_scoped_acquire acquire;
     const Geometry* its = nullptr;
@@ -385,7 +386,7 @@ py::array_t<bool> Holds(const Geometries& given, const std::string& name,
     bool swaps = predicate->swapped == predicate->test
                      ? IsSwapFaster(given, row, its, id, count)
                      : predicate->swapped != nullptr;
-    swaps &= count < std::size_t{1} << 32;  // for `order`
+    swaps &= count <= 0xFFFFFFFF;  // for `order`
     const Geometries& first = swaps ? its : given;
     const Geometries& second = swaps ? given : its;
     const std::int64_t* const key = swaps ? id : row;
@@ -459,7 +460,9 @@ py::array_t<double> Distances(const Geometries& given, const Ids& rows,
     ForPairs(Length(ids), [&](std::size_t begin, std::size_t end) {
       const Context context;
       for (std::size_t i = begin; i < end; ++i) {
-        to[i] = DistanceOf(context, given, rows.data()[i], its, ids.data()[i]);
+        const auto row = static_cast<std::size_t>(rows.data()[i]);
+        const auto id = static_cast<std::size_t>(ids.data()[i]);
+        to[i] = DistanceOf(context, given, row, its, id);
       }
     });
   });
