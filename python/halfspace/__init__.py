@@ -20,15 +20,7 @@ from ._halfspace import version as __version__
 from ._mesh import TriangleMesh
 from ._scan import Scan
 
-__all__ = [
-    "BVH",
-    "BroadPhase",
-    "Scan",
-    "TriangleMesh",
-    "bounds_of_triangles",
-    "join",
-    "targets",
-]
+__all__ = ["BVH", "BroadPhase", "Scan", "TriangleMesh", "bounds_of_triangles", "join", "targets"]
 
 
 def targets() -> List[str]:

@@ -44,13 +44,8 @@ class Table(NamedTuple):
         return self._replace(arrays=(np.concatenate(self.arrays, axis=1) - origin,))
 
 
-def boxes(
-    value: Any,
-    name: str,
-    dims: Optional[int] = None,
-    most: Optional[int] = None,
-    axes: Optional[int] = None,
-) -> Table:
+def boxes(value: Any, name: str, dims: Optional[int] = None, most: Optional[int] = None,
+          axes: Optional[int] = None) -> Table:
     """Boxes as 2 * d columns: the minima, then the maxima. With `axes`, also bounds as
     2 * axes columns."""
     arrays, single = _box_arrays(value, name)
@@ -101,9 +96,8 @@ def directions(value: Any, name: str, dims: int) -> Table:
 Arrays = Tuple[np.ndarray, ...]
 
 
-def casts(
-    starts: Table, name: str, ways: Any, max_t: Any, dims: int
-) -> Tuple[Arrays, Arrays, bool]:
+def casts(starts: Table, name: str, ways: Any, max_t: Any,
+          dims: int) -> Tuple[Arrays, Arrays, bool]:
     """The arrays of starts, those of directions and limits, and whether it is one
     cast. The record of a ray has all. Boxes are rounded outward later."""
     motions = directions(ways, "directions", dims)
@@ -284,9 +278,7 @@ def threads(value: Optional[int]) -> int:
 How = Tuple[int, int, Any]
 
 
-def how(
-    mask_of_call: Optional[int], threads_of_call: Optional[int], progress: Any
-) -> How:
+def how(mask_of_call: Optional[int], threads_of_call: Optional[int], progress: Any) -> How:
     """The last argument of a search."""
     return mask(mask_of_call), threads(threads_of_call), progress
 
@@ -299,13 +291,9 @@ def not_negative(value: Any, name: str) -> float:
         if number < value:  # an integer, a fraction or a long double
             number = math.nextafter(number, math.inf)
     except TypeError:
-        raise TypeError(
-            f"{name}: expected a number, got {type(value).__name__}"
-        ) from None
+        raise TypeError(f"{name}: expected a number, got {type(value).__name__}") from None
     if not number >= 0:
-        raise ValueError(
-            f"{name}: expected a number that is not negative, got {number}"
-        )
+        raise ValueError(f"{name}: expected a number that is not negative, got {number}")
     return float(_rounded_up(np.array(number)))
 
 
@@ -446,14 +434,10 @@ def _float_type(array: np.ndarray, name: str) -> type:
                     f"represents exactly, got {low} to {high}"
                 )
         return np.float64
-    raise TypeError(
-        f"{name}: expected float32, float64 or integers, got {array.dtype}"
-    )
+    raise TypeError(f"{name}: expected float32, float64 or integers, got {array.dtype}")
 
 
-def _table(
-    arrays: Sequence[np.ndarray], single: bool, name: str, most: Optional[int]
-) -> Table:
+def _table(arrays: Sequence[np.ndarray], single: bool, name: str, most: Optional[int]) -> Table:
     count = arrays[0].shape[0]
     # First of all, because a copy of so many objects can take all memory.
     if most is not None and count >= most:

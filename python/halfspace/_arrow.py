@@ -51,9 +51,7 @@ def column(value: Any, name: str) -> np.ndarray:
         )
     length, null_count, offset, n_buffers, _, buffers = array[:6]
     if n_buffers != 2 or not buffers or length < 0 or offset < 0:
-        raise ValueError(
-            f"{name}: expected an Arrow array with 2 buffers, got a malformed one"
-        )
+        raise ValueError(f"{name}: expected an Arrow array with 2 buffers, got a malformed one")
     bitmap, values = _members(_BUFFERS, buffers)
     if null_count != 0 and bitmap and length > 0:
         size = (offset + length + 7) // 8

@@ -60,26 +60,18 @@ class BroadPhase(Searches):
 
     __slots__ = ("_tree", "_axes", "_at_once", "__weakref__")
 
-    def __init__(
-        self,
-        dimensions: int = 3,
-        kind: str = "aabb",
-        *,
-        moves_are_seen_at_once: bool = False,
-    ) -> None:
+    def __init__(self, dimensions: int = 3, kind: str = "aabb", *,
+                 moves_are_seen_at_once: bool = False) -> None:
         if dimensions not in (2, 3):
             raise ValueError(f"dimensions: expected 2 or 3, got {dimensions!r}")
         if kind not in ("aabb", "aabo"):
             raise ValueError(f'kind: expected "aabb" or "aabo", got {kind!r}')
         self._axes = int(dimensions) + (kind == "aabo")
         self._at_once = bool(moves_are_seen_at_once)
-        self._tree = _halfspace.BroadPhase(
-            int(dimensions), kind == "aabo", self._at_once
-        )
+        self._tree = _halfspace.BroadPhase(int(dimensions), kind == "aabo", self._at_once)
 
-    def insert(
-        self, ids: Any, boxes: Any, categories: Any = None, collides_with: Any = None
-    ) -> None:
+    def insert(self, ids: Any, boxes: Any, categories: Any = None,
+               collides_with: Any = None) -> None:
         """Adds bodies. Box i is that of body `ids[i]`.
 
         `categories` and `collides_with` are masks of 32 bits: one integer, or
@@ -106,9 +98,7 @@ class BroadPhase(Searches):
         masks = _masks(categories, collides_with, len(wanted))
         self._tree.set_masks(wanted, masks)
 
-    def update(
-        self, budget: Optional[int] = None, *, threads: Optional[int] = 1
-    ) -> None:
+    def update(self, budget: Optional[int] = None, *, threads: Optional[int] = 1) -> None:
         """Updates the tree. Call it once per frame.
 
         Copies the boxes that moved into the tree, and sorts bodies again where
@@ -122,9 +112,7 @@ class BroadPhase(Searches):
         """As `update`, but sorts all bodies again."""
         self._tree.rebuild(0, _arrays.threads(threads))
 
-    def update_pairs(
-        self, *, threads: Optional[int] = 1
-    ) -> Tuple[np.ndarray, np.ndarray]:
+    def update_pairs(self, *, threads: Optional[int] = 1) -> Tuple[np.ndarray, np.ndarray]:
         """Finds all pairs, and returns what has changed since the last call.
 
         Returns `began, ended`: the pairs that are new, and those that are none any
@@ -229,9 +217,8 @@ def _masks(categories: Any, collides_with: Any, count: int) -> np.ndarray:
     return table
 
 
-def _unpickle(
-    cls: Type[BroadPhase], dims: int, kind: str, at_once: bool, data: bytes
-) -> BroadPhase:
+def _unpickle(cls: Type[BroadPhase], dims: int, kind: str, at_once: bool,
+              data: bytes) -> BroadPhase:
     bodies = cls.__new__(cls)
     BroadPhase.__init__(bodies, dims, kind, moves_are_seen_at_once=at_once)
     bodies.load(data)

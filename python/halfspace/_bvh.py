@@ -79,22 +79,14 @@ class BVH(Searches):
 
     __slots__ = ("_tree", "__weakref__")
 
-    def __init__(
-        self,
-        boxes: Any,
-        *,
-        quality: str = "high",
-        query_extents: Any = None,
-        exact: bool = False,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> None:
+    def __init__(self, boxes: Any, *, quality: str = "high", query_extents: Any = None,
+                 exact: bool = False, threads: Optional[int] = 1,
+                 progress: Optional[Progress] = None) -> None:
         is_fast = _is_fast(quality)
         table = _arrays.boxes(boxes, "boxes", most=_arrays.MOST_OBJECTS)
         how = is_fast, _extents(query_extents, table.columns // 2)
-        self._tree = _halfspace.Tree(
-            table.arrays, how, bool(exact), _arrays.threads(threads), progress
-        )
+        self._tree = _halfspace.Tree(table.arrays, how, bool(exact), _arrays.threads(threads),
+                                     progress)
         if query_extents is None and len(self) >= 4096:
             self._warn_of_long_axes()
 
@@ -131,15 +123,8 @@ class BVH(Searches):
         return cls._of(_load(mapped, name, verify))
 
     @classmethod
-    def from_chunks(
-        cls,
-        path: Path,
-        chunks: Iterable[Any],
-        *,
-        quality: str = "high",
-        query_extents: Any = None,
-        memory: int = 1 << 28,
-    ) -> "BVH":
+    def from_chunks(cls, path: Path, chunks: Iterable[Any], *, quality: str = "high",
+                    query_extents: Any = None, memory: int = 1 << 28) -> "BVH":
         """Writes a tree of more boxes than fit into memory to a file, and maps it.
 
         `chunks` is a list or an iterator of arrays, each as `boxes` of `BVH`, all in
@@ -239,14 +224,9 @@ class BVH(Searches):
         many_results = 64 * (8 if size < 2**18 else 16)
         return bool(self._tree.count(sample, (mask, 1, None)).sum() < many_results)
 
-    def query_batches(
-        self,
-        boxes: Any,
-        max_results: int = 10_000_000,
-        *,
-        mask: Optional[int] = None,
-        threads: Optional[int] = 1,
-    ) -> Iterator[np.ndarray]:
+    def query_batches(self, boxes: Any, max_results: int = 10_000_000, *,
+                      mask: Optional[int] = None,
+                      threads: Optional[int] = 1) -> Iterator[np.ndarray]:
         """Yields the results of `query` in batches of at most `max_results`.
 
         A batch is `rows, ids`, an array of int64 with the shape (2, n). All
@@ -260,18 +240,15 @@ class BVH(Searches):
         batches = self._unchecked_batches(table, most, _arrays.how(mask, threads, None))
         return self._checked(batches, self._tree.changes)
 
-    def _checked(
-        self, batches: Iterator[np.ndarray], changes: int
-    ) -> Iterator[np.ndarray]:
+    def _checked(self, batches: Iterator[np.ndarray], changes: int) -> Iterator[np.ndarray]:
         for batch in batches:
             if self._tree.changes != changes:
                 raise RuntimeError("the tree changed during query_batches")
             if batch.shape[1]:
                 yield batch
 
-    def _unchecked_batches(
-        self, table: _arrays.Table, most: int, how: _arrays.How
-    ) -> Iterator[np.ndarray]:
+    def _unchecked_batches(self, table: _arrays.Table, most: int,
+                           how: _arrays.How) -> Iterator[np.ndarray]:
         step = 1 << 16  # boxes that are counted at a time
         for first in range(0, table.length, step):
             block = table.rows(first, min(first + step, table.length))
@@ -295,15 +272,9 @@ class BVH(Searches):
                 begin, found = end, int(ends[end - 1])
         yield np.empty((2, 0), np.int64)  # a change after the last batch is seen, too
 
-    def pairs(
-        self,
-        *,
-        margin: float = 0.0,
-        within: Optional[float] = None,
-        mask: Optional[int] = None,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> np.ndarray:
+    def pairs(self, *, margin: float = 0.0, within: Optional[float] = None,
+              mask: Optional[int] = None, threads: Optional[int] = 1,
+              progress: Optional[Progress] = None) -> np.ndarray:
         """Finds all pairs of objects that overlap each other.
 
         With `margin`, also those that are at most `margin` apart on each axis, or with
@@ -355,14 +326,8 @@ class BVH(Searches):
         """
         self._tree.erase(_arrays.ids(ids, "ids"))
 
-    def refit(
-        self,
-        boxes: Any,
-        ids: Any = None,
-        *,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> None:
+    def refit(self, boxes: Any, ids: Any = None, *, threads: Optional[int] = 1,
+              progress: Optional[Progress] = None) -> None:
         """Moves objects: gives them new boxes.
 
         Without `ids`, row i of `boxes` is the new box of object i, and there
@@ -384,13 +349,8 @@ class BVH(Searches):
             )
         self._tree.refit(table.arrays, _arrays.threads(threads), progress)
 
-    def rebuild(
-        self,
-        *,
-        quality: str = "high",
-        query_extents: Any = None,
-        threads: Optional[int] = 1,
-    ) -> None:
+    def rebuild(self, *, quality: str = "high", query_extents: Any = None,
+                threads: Optional[int] = 1) -> None:
         """Sorts all objects again, and frees memory. Ids stay.
 
         The arguments are those of `BVH`. Without `query_extents`, the last ones stay.
@@ -509,16 +469,9 @@ class BVH(Searches):
         return f"<halfspace.BVH: {len(self)} boxes in {self.dims} dimensions>"
 
 
-def join(
-    a: BVH,
-    b: BVH,
-    *,
-    margin: float = 0.0,
-    within: Optional[float] = None,
-    mask: Optional[int] = None,
-    threads: Optional[int] = 1,
-    progress: Optional[Progress] = None,
-) -> np.ndarray:
+def join(a: BVH, b: BVH, *, margin: float = 0.0, within: Optional[float] = None,
+         mask: Optional[int] = None, threads: Optional[int] = 1,
+         progress: Optional[Progress] = None) -> np.ndarray:
     """Finds all pairs of an object of `a` and an object of `b` that overlap.
 
     Returns `i, j`, an array of int64 with the shape (2, n): object `i[k]` of `a`
@@ -531,9 +484,7 @@ def join(
         if not isinstance(tree, BVH):
             raise TypeError(f"{name}: expected a BVH, got {type(tree).__name__}")
     if a.dims != b.dims:
-        raise ValueError(
-            f"b: expected a BVH of {a.dims} dimensions, as a, got {b.dims} dimensions"
-        )
+        raise ValueError(f"b: expected a BVH of {a.dims} dimensions, as a, got {b.dims} dimensions")
     how = _arrays.how(mask, threads, progress)
     return a._tree.pairs(b._tree, *_arrays.pair_distance(margin, within), how)
 
@@ -581,9 +532,8 @@ def _extents(query_extents: Any, dims: int) -> np.ndarray:
         return extents.astype(np.float32)
 
 
-def _load(
-    blob: Any, name: str, verify: bool, doubles: Optional[np.ndarray] = None
-) -> _halfspace.Tree:
+def _load(blob: Any, name: str, verify: bool,
+          doubles: Optional[np.ndarray] = None) -> _halfspace.Tree:
     data = np.frombuffer(blob, np.uint8)
     its = np.empty(0) if doubles is None else doubles
     try:

@@ -53,16 +53,9 @@ class TriangleMesh:
             self._origin[is_far] = middle[is_far]
         self._mesh = _halfspace.Mesh(self._near(points).arrays, indices)
 
-    def raycast(
-        self,
-        origins: Any,
-        directions: Any,
-        max_t: Any = float("inf"),
-        *,
-        all_hits: bool = False,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> Tuple[Any, Any]:
+    def raycast(self, origins: Any, directions: Any, max_t: Any = float("inf"), *,
+                all_hits: bool = False, threads: Optional[int] = 1,
+                progress: Optional[Progress] = None) -> Tuple[Any, Any]:
         """Finds the first triangle that each ray hits, from either side, or all.
 
         The arguments and results are those of `BVH.raycast`. Whether a ray hits a
@@ -79,15 +72,9 @@ class TriangleMesh:
             return (ids[1] if single else ids), t
         return (int(ids[0, 0]), float(t[0, 0])) if single else (ids[:, 0], t[:, 0])
 
-    def occluded(
-        self,
-        origins: Any,
-        directions: Any,
-        max_t: Any = float("inf"),
-        *,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> Union[np.ndarray, bool]:
+    def occluded(self, origins: Any, directions: Any, max_t: Any = float("inf"), *,
+                 threads: Optional[int] = 1,
+                 progress: Optional[Progress] = None) -> Union[np.ndarray, bool]:
         """Whether each ray hits any triangle.
 
         Arguments are those of `raycast`. Returns an array of bool, or one bool.
@@ -96,14 +83,9 @@ class TriangleMesh:
         hits = self._mesh.occluded(rays, _arrays.threads(threads), progress)
         return bool(hits[0, 0]) if single else hits[:, 0] != 0
 
-    def closest_point(
-        self,
-        points: Any,
-        *,
-        max_distance: float = float("inf"),
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> Tuple[Any, Any, np.ndarray]:
+    def closest_point(self, points: Any, *, max_distance: float = float("inf"),
+                      threads: Optional[int] = 1,
+                      progress: Optional[Progress] = None) -> Tuple[Any, Any, np.ndarray]:
         """Finds the point of the mesh that is closest to each point.
 
         `points` have the shape (m, 3) or (3,). Returns `ids, distances, closest`: the
@@ -137,9 +119,7 @@ class TriangleMesh:
             points = points.minus(self._origin)
         return points._replace(arrays=_arrays.floats(points.arrays))
 
-    def _rays(
-        self, origins: Any, directions: Any, max_t: Any
-    ) -> Tuple[_arrays.Arrays, bool]:
+    def _rays(self, origins: Any, directions: Any, max_t: Any) -> Tuple[_arrays.Arrays, bool]:
         starts = self._near(_arrays.points(origins, "origins", 3))
         rays, _, single = _arrays.casts(starts, "origins", directions, max_t, 3)
         return rays, single

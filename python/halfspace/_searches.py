@@ -22,15 +22,8 @@ class Searches:
 
     _tree: Any  # the compiled part
 
-    def query(
-        self,
-        boxes: Any,
-        *,
-        within: Any = None,
-        mask: Optional[int] = None,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> np.ndarray:
+    def query(self, boxes: Any, *, within: Any = None, mask: Optional[int] = None,
+              threads: Optional[int] = 1, progress: Optional[Progress] = None) -> np.ndarray:
         """Finds the objects that overlap boxes, or that are near them.
 
         Parameters
@@ -82,15 +75,8 @@ class Searches:
             table = _arrays.rounded_boxes(table, within)
         return self._query(table, _arrays.how(mask, threads, progress))
 
-    def query_sphere(
-        self,
-        centers: Any,
-        radii: Any,
-        *,
-        mask: Optional[int] = None,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> np.ndarray:
+    def query_sphere(self, centers: Any, radii: Any, *, mask: Optional[int] = None,
+                     threads: Optional[int] = 1, progress: Optional[Progress] = None) -> np.ndarray:
         """Finds the objects that spheres touch: those at most `radii` from `centers`.
 
         `centers` has the shape (m, d) or (d,), and `radii` is one number, or
@@ -117,14 +103,8 @@ class Searches:
     def count(self, boxes: Any, *, mask: Optional[int] = ...,
               threads: Optional[int] = ..., progress: Optional[Progress] = ...) -> Any: ...
 
-    def count(
-        self,
-        boxes: Any,
-        *,
-        mask: Optional[int] = None,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> Any:
+    def count(self, boxes: Any, *, mask: Optional[int] = None, threads: Optional[int] = 1,
+              progress: Optional[Progress] = None) -> Any:
         """Counts the objects that overlap each box.
 
         Returns an array of int64 with the shape (m,), or an int for one box.
@@ -150,14 +130,8 @@ class Searches:
     def any(self, boxes: Any, *, mask: Optional[int] = ...,
             threads: Optional[int] = ..., progress: Optional[Progress] = ...) -> Any: ...
 
-    def any(
-        self,
-        boxes: Any,
-        *,
-        mask: Optional[int] = None,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> Any:
+    def any(self, boxes: Any, *, mask: Optional[int] = None, threads: Optional[int] = 1,
+            progress: Optional[Progress] = None) -> Any:
         """Returns for each box whether an object overlaps it.
 
         Returns an array of bool with the shape (m,), or a bool for one box.
@@ -173,18 +147,10 @@ class Searches:
         ids = self._tree.any(table.arrays, _arrays.how(mask, threads, progress))
         return int(ids[0, 0]) >= 0 if table.single else ids[:, 0] >= 0
 
-    def nearest(
-        self,
-        points: Any,
-        k: int = 1,
-        *,
-        max_distance: float = float("inf"),
-        exclusive: bool = False,
-        all_ties: bool = False,
-        mask: Optional[int] = None,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> Tuple[np.ndarray, np.ndarray]:
+    def nearest(self, points: Any, k: int = 1, *, max_distance: float = float("inf"),
+                exclusive: bool = False, all_ties: bool = False, mask: Optional[int] = None,
+                threads: Optional[int] = 1,
+                progress: Optional[Progress] = None) -> Tuple[np.ndarray, np.ndarray]:
         """Finds the k objects that are nearest to each point or box.
 
         Parameters
@@ -257,17 +223,9 @@ class Searches:
                 threads: Optional[int] = ..., progress: Optional[Progress] = ...
                 ) -> Tuple[Any, Any]: ...
 
-    def raycast(
-        self,
-        origins: Any,
-        directions: Any,
-        max_t: Any = float("inf"),
-        *,
-        all_hits: bool = False,
-        mask: Optional[int] = None,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> Tuple[Any, Any]:
+    def raycast(self, origins: Any, directions: Any, max_t: Any = float("inf"), *,
+                all_hits: bool = False, mask: Optional[int] = None, threads: Optional[int] = 1,
+                progress: Optional[Progress] = None) -> Tuple[Any, Any]:
         """Finds the first box that each ray enters, or all.
 
         A ray has the points `origin + t * direction` with `0 <= t <= max_t`.
@@ -328,17 +286,9 @@ class Searches:
                 threads: Optional[int] = ..., progress: Optional[Progress] = ...
                 ) -> Tuple[Any, Any]: ...
 
-    def boxcast(
-        self,
-        boxes: Any,
-        directions: Any,
-        max_t: Any = float("inf"),
-        *,
-        all_hits: bool = False,
-        mask: Optional[int] = None,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> Tuple[Any, Any]:
+    def boxcast(self, boxes: Any, directions: Any, max_t: Any = float("inf"), *,
+                all_hits: bool = False, mask: Optional[int] = None, threads: Optional[int] = 1,
+                progress: Optional[Progress] = None) -> Tuple[Any, Any]:
         """Finds the first box of the tree that each box touches on its way, or all.
 
         A box moves by t times its direction. float64 boxes are enclosed. The
@@ -360,18 +310,9 @@ class Searches:
                    threads: Optional[int] = ..., progress: Optional[Progress] = ...
                    ) -> Tuple[Any, Any]: ...
 
-    def spherecast(
-        self,
-        centers: Any,
-        radii: Any,
-        directions: Any,
-        max_t: Any = float("inf"),
-        *,
-        all_hits: bool = False,
-        mask: Optional[int] = None,
-        threads: Optional[int] = 1,
-        progress: Optional[Progress] = None,
-    ) -> Tuple[Any, Any]:
+    def spherecast(self, centers: Any, radii: Any, directions: Any, max_t: Any = float("inf"), *,
+                   all_hits: bool = False, mask: Optional[int] = None, threads: Optional[int] = 1,
+                   progress: Optional[Progress] = None) -> Tuple[Any, Any]:
         """Finds the first box that each sphere touches on its way, or all.
 
         `centers` has the shape (m, d) or (d,), and `radii` is one number, or one for
@@ -381,31 +322,16 @@ class Searches:
         how = _arrays.how(mask, threads, progress)
         return self._cast(starts, "centers", directions, max_t, all_hits, how)
 
-    def _cast(
-        self,
-        starts: _arrays.Table,
-        name: str,
-        directions: Any,
-        max_t: Any,
-        all_hits: bool,
-        how: _arrays.How,
-    ) -> Tuple[Any, Any]:
-        arrays, motions, single = _arrays.casts(
-            starts, name, directions, max_t, self.dims
-        )
+    def _cast(self, starts: _arrays.Table, name: str, directions: Any, max_t: Any, all_hits: bool,
+              how: _arrays.How) -> Tuple[Any, Any]:
+        arrays, motions, single = _arrays.casts(starts, name, directions, max_t, self.dims)
         ids, t = self._tree.cast(arrays, motions, bool(all_hits), how)
         if all_hits:
             return (ids[1] if single else ids), t
         return (int(ids[0, 0]), float(t[0, 0])) if single else (ids[:, 0], t[:, 0])
 
-    def pairs_of(
-        self,
-        ids: Any,
-        *,
-        margin: float = 0.0,
-        mask: Optional[int] = None,
-        wanted: Any = None,
-    ) -> np.ndarray:
+    def pairs_of(self, ids: Any, *, margin: float = 0.0, mask: Optional[int] = None,
+                 wanted: Any = None) -> np.ndarray:
         """Finds the pairs of an object of the set `ids` and any other object.
 
         Returns an array of int64 with the shape (n, 2), whose first column is

@@ -91,9 +91,8 @@ class STRtree:
         """The geometries, in the order of the indices that calls return."""
         return self._geometries
 
-    def query(
-        self, geometry: Any, predicate: Optional[str] = None, distance: Any = None
-    ) -> np.ndarray:
+    def query(self, geometry: Any, predicate: Optional[str] = None,
+              distance: Any = None) -> np.ndarray:
         """Finds the geometries whose boxes overlap those of the given ones.
 
         Parameters
@@ -159,14 +158,9 @@ class STRtree:
                       return_distance: Literal[True], exclusive: bool = ...,
                       all_matches: bool = ...) -> Tuple[np.ndarray, np.ndarray]: ...
 
-    def query_nearest(
-        self,
-        geometry: Any,
-        max_distance: Optional[float] = None,
-        return_distance: bool = False,
-        exclusive: bool = False,
-        all_matches: bool = True,
-    ) -> Any:
+    def query_nearest(self, geometry: Any, max_distance: Optional[float] = None,
+                      return_distance: bool = False, exclusive: bool = False,
+                      all_matches: bool = True) -> Any:
         """Finds the geometries that are nearest to each given one.
 
         Parameters
@@ -207,25 +201,16 @@ class STRtree:
         ordered.sort()
         return used[rows], ordered & (2**32 - 1)
 
-    def _nearest(
-        self, given: Any, limit: float, exclusive: bool, all_matches: bool
-    ) -> Tuple[np.ndarray, np.ndarray]:
+    def _nearest(self, given: Any, limit: float, exclusive: bool,
+                 all_matches: bool) -> Tuple[np.ndarray, np.ndarray]:
         """The rows and the nearest geometries up to the limit, and their distances."""
-        return given.nearest(
-            self._tree._tree, self._its, limit, exclusive, all_matches, self._names
-        )
+        return given.nearest(self._tree._tree, self._its, limit, exclusive, all_matches,
+                             self._names)
 
 
-def sjoin(
-    left_df: Any,
-    right_df: Any,
-    how: str = "inner",
-    predicate: Optional[str] = "intersects",
-    lsuffix: str = "left",
-    rsuffix: str = "right",
-    distance: Any = None,
-    on_attribute: Any = None,
-) -> Any:
+def sjoin(left_df: Any, right_df: Any, how: str = "inner", predicate: Optional[str] = "intersects",
+          lsuffix: str = "left", rsuffix: str = "right", distance: Any = None,
+          on_attribute: Any = None) -> Any:
     """Joins two GeoDataFrames where a predicate of their geometries holds.
 
     Parameters
@@ -272,16 +257,10 @@ def sjoin(
     return _joined(left_df, right_df, left, right, how, lsuffix, rsuffix)
 
 
-def sjoin_nearest(
-    left_df: Any,
-    right_df: Any,
-    how: str = "inner",
-    max_distance: Optional[float] = None,
-    lsuffix: str = "left",
-    rsuffix: str = "right",
-    distance_col: Optional[str] = None,
-    exclusive: bool = False,
-) -> Any:
+def sjoin_nearest(left_df: Any, right_df: Any, how: str = "inner",
+                  max_distance: Optional[float] = None, lsuffix: str = "left",
+                  rsuffix: str = "right", distance_col: Optional[str] = None,
+                  exclusive: bool = False) -> Any:
     """Joins each row of a GeoDataFrame with the nearest rows of another.
 
     Finds the nearest right rows of each left row, or with how="right" the nearest left
@@ -320,17 +299,9 @@ def _check_frames(left_df: Any, right_df: Any, how: str, lsuffix: str, rsuffix: 
         )
 
 
-def _joined(
-    left_df: Any,
-    right_df: Any,
-    left: np.ndarray,
-    right: np.ndarray,
-    how: str,
-    lsuffix: str,
-    rsuffix: str,
-    distances: Optional[np.ndarray] = None,
-    distance_col: Optional[str] = None,
-) -> Any:
+def _joined(left_df: Any, right_df: Any, left: np.ndarray, right: np.ndarray, how: str,
+            lsuffix: str, rsuffix: str, distances: Optional[np.ndarray] = None,
+            distance_col: Optional[str] = None) -> Any:
     """The frame of pairs of rows, and with `distance_col` the column of distances."""
     import geopandas
     import pandas  # type: ignore

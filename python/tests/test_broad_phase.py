@@ -111,10 +111,8 @@ def test_pairs_by_masks_of_the_call():
         bodies.pairs_of([0, 1], wanted=[1, 2, 3])
 
 
-@pytest.mark.parametrize("margin", [
-    0.7, np.float32(0.7), 2**53 + 1, 1 + Fraction(1, 10**30),
-    np.longdouble(1) + np.finfo(np.longdouble).eps, 1e-46,
-])
+@pytest.mark.parametrize("margin", [0.7, np.float32(0.7), 2**53 + 1, 1 + Fraction(1, 10**30),
+                                    np.longdouble(1) + np.finfo(np.longdouble).eps, 1e-46])
 def test_a_margin_is_rounded_up(margin):
     from halfspace import _arrays
 
@@ -181,14 +179,8 @@ def test_copies_go_on_as_the_original(rng, dims, kind):
     loaded = Marked(dims, kind)
     loaded.insert([3], [[0] * dims + [1] * dims])
     loaded.load(bodies.save())
-    copies = [
-        bodies.copy(),
-        copy.copy(bodies),
-        copy.deepcopy(bodies),
-        pickle.loads(pickle.dumps(bodies)),
-        pickle.loads(pickle.dumps(bodies, 2)),
-        loaded,
-    ]
+    copies = [bodies.copy(), copy.copy(bodies), copy.deepcopy(bodies),
+              pickle.loads(pickle.dumps(bodies)), pickle.loads(pickle.dumps(bodies, 2)), loaded]
     moving, boxes = np.arange(0, n, 2), random_boxes(rng, (n + 1) // 2, dims)
     queries = random_boxes(rng, 50, dims)
 

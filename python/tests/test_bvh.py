@@ -26,15 +26,10 @@ def tree_of(request):
     return request.param
 
 
-KINDS = {
-    "tree": hs.BVH,
-    "fast tree": lambda boxes: hs.BVH(boxes, quality="fast"),
-    "exact tree": lambda boxes: hs.BVH(boxes, exact=True),
-    "exact tree, float queries": lambda boxes: hs.BVH(boxes, exact=True),
-    "bodies": bodies_of,
-    "scan": hs.Scan,
-    "quantized scan": lambda boxes: hs.Scan(boxes, quantized=True),
-}
+KINDS = {"tree": hs.BVH, "fast tree": lambda boxes: hs.BVH(boxes, quality="fast"),
+         "exact tree": lambda boxes: hs.BVH(boxes, exact=True),
+         "exact tree, float queries": lambda boxes: hs.BVH(boxes, exact=True), "bodies": bodies_of,
+         "scan": hs.Scan, "quantized scan": lambda boxes: hs.Scan(boxes, quantized=True)}
 
 
 def test_query_extents(rng):
@@ -60,9 +55,8 @@ def test_query_extents(rng):
 
 # More than 4095 queries are joined with a tree.
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize(
-    "n, queried", [(0, 9), (1, 9), (64, 9), (65, 9), (2000, 1500), (2000, 5000)]
-)
+@pytest.mark.parametrize("n, queried",
+                         [(0, 9), (1, 9), (64, 9), (65, 9), (2000, 1500), (2000, 5000)])
 def test_query(rng, dims, kind, n, queried):
     cells = {2: 60, 3: 24}[dims]
     boxes, queries = (near_boxes(rng, count, dims, cells) for count in (n, queried))
@@ -134,12 +128,9 @@ def in_order(found):
     return found[:, np.lexsort(found[::-1])]
 
 
-CHANGES = {
-    "one": lambda tree: tree.erase(0),
-    "all": lambda tree: tree.erase(np.arange(len(tree))),
-    "moved": lambda tree: tree.refit(tree.boxes() + 5000),
-    "more": lambda tree: tree.insert([9] * 2 * tree.dims),
-}
+CHANGES = {"one": lambda tree: tree.erase(0), "all": lambda tree: tree.erase(np.arange(len(tree))),
+           "moved": lambda tree: tree.refit(tree.boxes() + 5000),
+           "more": lambda tree: tree.insert([9] * 2 * tree.dims)}
 
 
 @pytest.mark.parametrize("most", [1, 10, 10**7])
@@ -224,9 +215,7 @@ def test_all_ties(rng, dims, tree_of, k, exclusive):
         assert len(rank) == np.isfinite(far).sum()
         its = near[its_rows, rank]
         assert (np.float32(exact[its_rows, its]) == far[its_rows, rank]).all()
-        one, of_one = tree.nearest(
-            given[3], k, max_distance=2, all_ties=True, exclusive=exclusive
-        )
+        one, of_one = tree.nearest(given[3], k, max_distance=2, all_ties=True, exclusive=exclusive)
         assert (one == ids[rows == 3]).all() and (of_one == distances[rows == 3]).all()
     assert tree.nearest(points[:0], all_ties=True)[0].shape == (2, 0)
     assert tree_of(boxes[:3]).nearest(points[0], 2**31 - 1)[0].shape == (3,)
@@ -298,10 +287,8 @@ def are_within(a, b, distance):
 def test_pairs_and_join(rng, dims, n, exact):
     """Of two trees, one of which can be exact. Then the join is, too."""
     skip = 0 if any(exact) else 2  # the box of everything can find the empty box
-    tree, other = (
-        hs.BVH(near_boxes(rng, count + skip, dims)[skip:], exact=its)
-        for count, its in zip((n, 1500), exact)
-    )
+    tree, other = (hs.BVH(near_boxes(rng, count + skip, dims)[skip:], exact=its) for count,
+                   its in zip((n, 1500), exact))
     boxes, others = tree.boxes(), other.boxes()
     # Results do not depend on the number of threads.
     on_two_threads = hs.BVH(boxes, exact=exact[0], threads=2)
@@ -361,14 +348,12 @@ def test_many_queries_of_a_large_tree(rng, dims, exact):
     points[[5, 7]] = 0
     radii = rng.random(9000) * side
     ways = rng.normal(size=(9000, dims))
-    calls = [
-        lambda some: tree.query(queries[some]),
-        lambda some: tree.query(queries[some].astype(np.float32), threads=2),
-        lambda some: tree.query(queries[some], within=radii[some]),
-        lambda some: tree.query_sphere(points[some], radii[some]),
-        lambda some: tree.nearest(points[some], 3, all_ties=True)[0],
-        lambda some: tree.raycast(points[some], ways[some], 0.1, all_hits=True)[0],
-    ]
+    calls = [lambda some: tree.query(queries[some]),
+             lambda some: tree.query(queries[some].astype(np.float32), threads=2),
+             lambda some: tree.query(queries[some], within=radii[some]),
+             lambda some: tree.query_sphere(points[some], radii[some]),
+             lambda some: tree.nearest(points[some], 3, all_ties=True)[0],
+             lambda some: tree.raycast(points[some], ways[some], 0.1, all_hits=True)[0]]
     few = [slice(0, 5000), slice(5000, 9000)]
     for call in calls:
         found = [call(some) for some in few]
@@ -523,12 +508,10 @@ def test_changes(rng, dims, exact):
     moved = boxes[:2999].copy()
     moved[8] = boxes[0]
     check(moved, [8])
-    for wrong, text in (
-        ([7000, 7000], "ids: expected ids that no object has"),
-        ([7000, 7], r"ids\[1\]: expected ids that no object has"),
-        ([7000], "ids: expected one id for each of 2 boxes, got 1"),
-        ([-1, 2], r"ids\[0\]: expected the id of an object, got -1"),
-    ):
+    for wrong, text in (([7000, 7000], "ids: expected ids that no object has"),
+                        ([7000, 7], r"ids\[1\]: expected ids that no object has"),
+                        ([7000], "ids: expected one id for each of 2 boxes, got 1"),
+                        ([-1, 2], r"ids\[0\]: expected the id of an object, got -1")):
         with pytest.raises(ValueError, match=text):
             tree.insert_as(wrong, boxes[:2])
     check(moved, [8])

@@ -58,13 +58,9 @@ def test_types(tmp_path):
     paths = "" if "site-packages" in package else os.path.dirname(package)
 
     def mypy(*arguments):
-        return subprocess.run(
-            [sys.executable, "-m", "mypy", "--no-incremental", *arguments],
-            cwd=tmp_path,
-            env={**os.environ, "MYPYPATH": paths},
-            capture_output=True,
-            text=True,
-        )
+        return subprocess.run([sys.executable, "-m", "mypy", "--no-incremental", *arguments],
+                              cwd=tmp_path, env={**os.environ, "MYPYPATH": paths},
+                              capture_output=True, text=True)
 
     (tmp_path / "user.py").write_text(
         "import halfspace as hs\n"

@@ -45,12 +45,8 @@ def is_there(geometry):
 
 
 def all_pairs(holds, given=GIVEN, geometries=GEOMETRIES):
-    return [
-        (i, j)
-        for i, a in enumerate(given)
-        for j, b in enumerate(geometries)
-        if is_there(a) and is_there(b) and holds(a, b)
-    ]
+    return [(i, j) for i, a in enumerate(given) for j,
+            b in enumerate(geometries) if is_there(a) and is_there(b) and holds(a, b)]
 
 
 def boxes_overlap(a, b):
@@ -183,23 +179,21 @@ def test_is_pickled():
 
 @pytest.mark.parametrize(
     "call, error, message",
-    [
-        (lambda: geo.STRtree(["x"]), TypeError, r"geoms\[0\]: expected a geometry or None"),
-        (lambda: TREE.query("x"), TypeError, r"geometry\[0\]: expected a geometry"),
-        (lambda: TREE.query([GIVEN[0], 3]), TypeError, r"geometry\[1\]: expected a geometry"),
-        (lambda: TREE.query(np.empty((1, 1), object)), TypeError, "expected one dimension"),
-        (lambda: TREE.query(GIVEN, "disjoint"), ValueError, "is not a valid option"),
-        (lambda: TREE.query(GIVEN, "dwithin"), ValueError, "distance: expected a number"),
-        (lambda: TREE.query(GIVEN, "dwithin", "x"), ValueError, "distance: expected a number"),
-        (lambda: TREE.query(GIVEN, "dwithin", [1, 2]), ValueError, "or 60 numbers"),
-        (lambda: TREE.query(GIVEN, "dwithin", [[1]]), ValueError, "expected a number, or 60 numbers"),
-        (lambda: TREE.query(GIVEN, distance=1), ValueError, 'only the predicate "dwithin"'),
-        (lambda: TREE.query_nearest(GIVEN, 0), ValueError, "max_distance: expected a number"),
-        (lambda: TREE.query_nearest(GIVEN, np.nan), ValueError, "max_distance: expected"),
-        (lambda: TREE.query_nearest(GIVEN, [1]), ValueError, "max_distance: expected a number"),
-        (lambda: TREE.query_nearest(GIVEN, exclusive=1), ValueError, "exclusive: expected a bool"),
-        (lambda: TREE.query_nearest(GIVEN, all_matches=[]), ValueError, "all_matches: expected"),
-    ],
+    [(lambda: geo.STRtree(["x"]), TypeError, r"geoms\[0\]: expected a geometry or None"),
+     (lambda: TREE.query("x"), TypeError, r"geometry\[0\]: expected a geometry"),
+     (lambda: TREE.query([GIVEN[0], 3]), TypeError, r"geometry\[1\]: expected a geometry"),
+     (lambda: TREE.query(np.empty((1, 1), object)), TypeError, "expected one dimension"),
+     (lambda: TREE.query(GIVEN, "disjoint"), ValueError, "is not a valid option"),
+     (lambda: TREE.query(GIVEN, "dwithin"), ValueError, "distance: expected a number"),
+     (lambda: TREE.query(GIVEN, "dwithin", "x"), ValueError, "distance: expected a number"),
+     (lambda: TREE.query(GIVEN, "dwithin", [1, 2]), ValueError, "or 60 numbers"),
+     (lambda: TREE.query(GIVEN, "dwithin", [[1]]), ValueError, "expected a number, or 60 numbers"),
+     (lambda: TREE.query(GIVEN, distance=1), ValueError, 'only the predicate "dwithin"'),
+     (lambda: TREE.query_nearest(GIVEN, 0), ValueError, "max_distance: expected a number"),
+     (lambda: TREE.query_nearest(GIVEN, np.nan), ValueError, "max_distance: expected"),
+     (lambda: TREE.query_nearest(GIVEN, [1]), ValueError, "max_distance: expected a number"),
+     (lambda: TREE.query_nearest(GIVEN, exclusive=1), ValueError, "exclusive: expected a bool"),
+     (lambda: TREE.query_nearest(GIVEN, all_matches=[]), ValueError, "all_matches: expected")],
 )
 def test_errors(call, error, message):
     with pytest.raises(error, match=message):
@@ -212,11 +206,9 @@ BOW = Polygon([(0, 0), (2, 2), (2, 0), (0, 2)])
 # Prepared geometries of shapely 1.8 fail to raise the error.
 def test_an_error_of_geos_names_the_invalid_geometry():
     given, its = [Point(9, 9), BOW], [None, box(0, 0, 1, 1), Point(9, 9)]
-    for call, name in (
-        (lambda: geo.STRtree(its).query(BOW, "touches"), "geometry[0]"),
-        (lambda: geo.STRtree(its).query(given, "overlaps"), "geometry[1]"),
-        (lambda: geo.STRtree(given).query(its, "touches"), "geoms[1]"),
-    ):
+    for call, name in ((lambda: geo.STRtree(its).query(BOW, "touches"), "geometry[0]"),
+                       (lambda: geo.STRtree(its).query(given, "overlaps"), "geometry[1]"),
+                       (lambda: geo.STRtree(given).query(its, "touches"), "geoms[1]")):
         with pytest.raises(ShapelyError) as raised:
             call()
         assert str(raised.value).startswith(f"{name}: ")

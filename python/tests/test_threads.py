@@ -87,14 +87,12 @@ BOX = [0, 0, 0, 1, 1, 1]
 
 @pytest.mark.parametrize(
     "outer, inner, message",
-    [
-        ("query", lambda tree: tree.insert(BOX), "another call is using this BVH"),
-        ("query", lambda tree: tree.erase(0), "another call is using this BVH"),
-        ("query", lambda tree: tree.refit(BOX, 1), "another call is using this BVH"),
-        ("query", own, "inside of a call"),
-        ("refit", lambda tree: tree.query(BOX), "another call is changing this BVH"),
-        ("refit", own, "inside of a call"),
-    ],
+    [("query", lambda tree: tree.insert(BOX), "another call is using this BVH"),
+     ("query", lambda tree: tree.erase(0), "another call is using this BVH"),
+     ("query", lambda tree: tree.refit(BOX, 1), "another call is using this BVH"),
+     ("query", own, "inside of a call"),
+     ("refit", lambda tree: tree.query(BOX), "another call is changing this BVH"),
+     ("refit", own, "inside of a call")],
 )
 def test_a_call_within_a_call(rng, outer, inner, message):
     boxes = random_boxes(rng, 1000, 3)
@@ -117,13 +115,9 @@ def test_changing_waits_and_makes_wait(rng):
     tree, other = hs.BVH(np.hstack([low, low])), hs.BVH([[0] * 3 + [9] * 3])
     counts = set()
     everything = np.array([-1.0] * 3 + [9] * 3)
-    calls = [
-        lambda: tree.count(everything),
-        lambda: len(tree.query(everything)),
-        lambda: len(hs.join(tree, other)[0]),
-        lambda: len(hs.join(other, tree)[0]),
-        lambda: len(tree),
-    ]
+    calls = [lambda: tree.count(everything), lambda: len(tree.query(everything)),
+             lambda: len(hs.join(tree, other)[0]), lambda: len(hs.join(other, tree)[0]),
+             lambda: len(tree)]
 
     def change():
         with tree.changing():
