@@ -75,30 +75,17 @@ def mesh(rng, count, side):
     turn = rng.uniform(0.2, 1)
     x = side * (u * np.cos(turn) - v * np.sin(turn) + 0.02 * np.sin(9 * v))
     y = side * (u * np.sin(turn) + v * np.cos(turn) + 0.02 * np.sin(7 * u))
-    triangles = triangles_between(np.stack([x, y], -1))
-    return np.hstack([triangles.min(1), triangles.max(1)])
-
-
-def triangles_between(corners):
-    """Two triangles in each cell of a grid, of shape (n, 3, dimensions)."""
+    corners = as_floats(np.stack([x, y], -1))
     a, b, c, d = corners[:-1, :-1], corners[:-1, 1:], corners[1:, :-1], corners[1:, 1:]
-    triangles = np.stack([np.stack([a, b, c], -2), np.stack([b, d, c], -2)], -3)
-    return as_floats(triangles.reshape(-1, 3, corners.shape[-1]))
+    # Two triangles in each cell of the grid.
+    triangles = np.stack([np.stack([a, b, c], -2), np.stack([b, d, c], -2)], -3).reshape(-1, 3, 2)
+    return np.hstack([triangles.min(1), triangles.max(1)])
 
 
 def points(rng, count, side=0):
     """Boxes of no size, or squares of two `side`: on a grid, so that floats are exact."""
     centers = rng.integers(1 << 20, size=(count, 2)) / (1 << 20)
     return np.hstack([centers - side, centers + side])
-
-
-def bumps(count):
-    """About so many triangles of a sphere with bumps."""
-    n = int(np.sqrt(count / 4))
-    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 2 * n + 1), np.linspace(0.02, np.pi - 0.02, n + 1))
-    radius = 1 + 0.1 * np.sin(9 * u) * np.sin(7 * v)
-    return triangles_between(radius[..., None] * np.stack(
-        [np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)], -1))
 
 
 def geos_module(directory):
@@ -347,72 +334,6 @@ def geometries(geos, scale, rng):
     yield "discs", count, *joins_of(*frames)
 
 
-# Exact tests of triangles in numpy, for the candidates that a BVH finds.
-
-
-def hits(origins, directions, triangles):
-    """The t of rays and triangles by the test of Moeller and Trumbore: inf without a hit."""
-    p, q, r = triangles[:, 0], triangles[:, 1], triangles[:, 2]
-    s, from_p = np.cross(directions, r - p), origins - p
-    with np.errstate(divide="ignore", invalid="ignore"):
-        f = 1 / (s * (q - p)).sum(1)
-        u = f * (s * from_p).sum(1)
-        w = np.cross(from_p, q - p)
-        v = f * (w * directions).sum(1)
-        t = f * (w * (r - p)).sum(1)
-        return np.where((u >= 0) & (v >= 0) & (u + v <= 1) & (t >= 0), t, np.inf)
-
-
-def distances_to(places, triangles):
-    best = np.full(len(places), np.inf)
-    p, q, r = triangles[:, 0], triangles[:, 1], triangles[:, 2]
-    normals, inside = np.cross(q - p, r - p), np.ones(len(places), bool)
-    for a, b in ((p, q), (q, r), (r, p)):
-        along, from_a = b - a, places - a
-        t = ((from_a * along).sum(1) / (along * along).sum(1)).clip(0, 1)
-        best = np.minimum(best, np.linalg.norm(from_a - t[:, None] * along, axis=1))
-        inside &= (np.cross(along, from_a) * normals).sum(1) >= 0
-    height = abs(((places - p) * normals).sum(1)) / np.linalg.norm(normals, axis=1)
-    return np.where(inside, height, best)
-
-
-def least_of_each(rows, values, count):
-    least = np.full(count, np.inf)
-    np.minimum.at(least, rows, values)
-    return least
-
-
-def triangles_of(geos, scale, rng):
-    triangles, count = bumps(200_000 // scale), 20_000 // scale
-    flat = triangles.reshape(-1, 3)
-    tree = hs.BVH(np.hstack([triangles.min(1), triangles.max(1)]))
-    mesh = hs.TriangleMesh(flat, np.arange(len(flat)).reshape(-1, 3))
-    origins = as_floats(3 * rng.standard_normal((count, 3)))
-    ways = as_floats(0.5 * rng.standard_normal((count, 3)) - origins)
-
-    def cast():
-        (rows, ids), _ = tree.raycast(origins, ways, all_hits=True)
-        return least_of_each(rows, hits(origins[rows], ways[rows], triangles[ids]), count)
-
-    def almost(a, b):
-        # Rays by an edge can hit for one of the two.
-        return np.isclose(a, b, rtol=1e-3, atol=1e-5).mean() > 0.999
-
-    corners = scipy.spatial.cKDTree(flat)
-    places = as_floats(rng.standard_normal((count, 3)))
-
-    def closest():
-        # As trimesh: no farther than the nearest vertex.
-        rows, ids = tree.query_sphere(places, corners.query(places)[0])
-        return least_of_each(rows, distances_to(places[rows], triangles[ids]), count)
-
-    peer = f"numpy {np.__version__} over candidates"
-    yield ("triangles", count, "TriangleMesh.raycast", peer,
-           lambda: mesh.raycast(origins, ways)[1], cast, np.asarray, almost)
-    yield ("triangles", count, "TriangleMesh.closest_point", peer,
-           lambda: mesh.closest_point(places)[1], closest, np.asarray, almost)
-
-
 def table_of(rows):
     column = report.column
     return report.table(
@@ -448,7 +369,7 @@ def main():
     with tempfile.TemporaryDirectory() as directory:
         geos = geos_module(directory)
         rows = [row_of(repetitions, *row)
-                for world in (boxes_of, of_points, packages, geometries, triangles_of)
+                for world in (boxes_of, of_points, packages, geometries)
                 for row in world(geos, scale, rng)]
     report.show([table_of(rows)], arguments.out, SEED, repetitions)
 
