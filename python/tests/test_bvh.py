@@ -287,8 +287,8 @@ def are_within(a, b, distance):
 def test_pairs_and_join(rng, dims, n, exact):
     """Of two trees, one of which can be exact. Then the join is, too."""
     skip = 0 if any(exact) else 2  # the box of everything can find the empty box
-    tree, other = (hs.BVH(near_boxes(rng, count + skip, dims)[skip:], exact=its) for count,
-                   its in zip((n, 1500), exact))
+    tree, other = (hs.BVH(near_boxes(rng, count + skip, dims)[skip:], exact=its)
+                   for count, its in zip((n, 1500), exact))
     boxes, others = tree.boxes(), other.boxes()
     # Results do not depend on the number of threads.
     on_two_threads = hs.BVH(boxes, exact=exact[0], threads=2)

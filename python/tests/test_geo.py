@@ -45,8 +45,8 @@ def is_there(geometry):
 
 
 def all_pairs(holds, given=GIVEN, geometries=GEOMETRIES):
-    return [(i, j) for i, a in enumerate(given) for j,
-            b in enumerate(geometries) if is_there(a) and is_there(b) and holds(a, b)]
+    return [(i, j) for i, a in enumerate(given) for j, b in enumerate(geometries)
+            if is_there(a) and is_there(b) and holds(a, b)]
 
 
 def boxes_overlap(a, b):

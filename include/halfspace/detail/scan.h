@@ -265,7 +265,8 @@ HALFSPACE_API void RunShape(const ShapeScan& shape, const char* call,
                             void (*run)(void* context, Scan&& scan),
                             void* context);
 
-// Returns function(scan), with a scan or with that of a shape.
+// Calls function with the scan, or with the scan that RunShape() makes of the
+// shape, and returns its result.
 template <typename Function>
 auto Ask(Scan&& scan, const char*, const Function& function) {
   return function(std::move(scan));
