@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "dispatch/bvh/order.h"
 #include "dispatch/bvh/scratch.h"
 #include "dispatch/bvh/shape_query.h"
 #include "dispatch/bvh/triangles.h"
@@ -273,7 +274,7 @@ class Builder {
       }
     }
     if (best.bin == 0) return piece.begin + piece.size() / 2;
-    return std::partition(piece.begin, piece.end, [&](const Entry& entry) {
+    return detail::Partition(piece.begin, piece.end, [&](const Entry& entry) {
       return best.BinOf(entry) < best.bin;
     });
   }

@@ -70,19 +70,6 @@ struct Piece {
   std::size_t end;
 };
 
-// Moves the entries that are_below() to the front, and returns their end. It
-// has no branches, because they would be mispredicted.
-template <typename IsBelow>
-Entry* Partition(Entry* first, Entry* end, const IsBelow& is_below) {
-  for (Entry* e = first; e != end; ++e) {
-    const Entry entry = *e;
-    *e = *first;
-    *first = entry;
-    first += is_below(entry) ? 1 : 0;
-  }
-  return first;
-}
-
 // A range of entries, one of which gets its place: the lesser ones along an
 // axis come before it. As std::nth_element, but the standard library does not
 // say how it arranges the others, and BVHs would differ between libraries.

@@ -11,6 +11,21 @@
 
 namespace halfspace::detail {
 
+// Moves the entries that is_below() accepts to the front, and returns their
+// end. As std::partition, but each standard library arranges the entries in its
+// own way, and hierarchies would differ. It has no branches, because they would
+// be mispredicted.
+template <typename Entry, typename IsBelow>
+Entry* Partition(Entry* first, Entry* end, const IsBelow& is_below) {
+  for (Entry* e = first; e != end; ++e) {
+    const Entry entry = *e;
+    *e = *first;
+    *first = entry;
+    first += is_below(entry) ? 1 : 0;
+  }
+  return first;
+}
+
 // Bytes of scratch memory for each object, aligned to 16.
 inline constexpr std::size_t kOrderScratch = 16;
 

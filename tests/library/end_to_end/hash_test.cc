@@ -19,7 +19,9 @@
 #include <cstdlib>
 #include <fstream>
 #include <ios>
+#include <limits>
 #include <map>
+#include <random>
 #include <set>
 #include <string>
 #include <vector>
@@ -388,6 +390,62 @@ TEST(BroadPhaseHashTest, AnswersAreTheSameEverywhere) {
     ExpectKnownAnswers<AabbView2>(target);
     ExpectKnownAnswers<AaboView2>(target);
 #endif
+  }
+}
+
+// Hits in the order of the hierarchy, first hits and closest points. The
+// corners are on a grid, so that many triangles share a center and many
+// distances are equal.
+TEST(MeshHashTest, AnswersAreTheSameEverywhere) {
+  constexpr std::uint32_t kSide = 24;
+  std::mt19937 random(1);
+  const auto point = [&](std::uint32_t side) {
+    Point3 made;
+    for (float& x : made) x = static_cast<float>(random() % side);
+    return made;
+  };
+  std::vector<Triangle3> triangles(6000);
+  for (Triangle3& triangle : triangles) {
+    triangle = {point(kSide), {}, {}};
+    for (Point3* corner : {&triangle.b, &triangle.c}) {
+      const Point3 way = point(4);
+      for (std::size_t k = 0; k < 3; ++k) {
+        (*corner)[k] = triangle.a[k] + way[k];
+      }
+    }
+  }
+  const TriangleMesh mesh(triangles);
+  std::vector<Ray3> rays;
+  for (std::size_t i = 0; i < 300; ++i) {
+    Ray3 ray{point(kSide), point(9), 16};
+    for (float& x : ray.direction) x -= 4;
+    rays.push_back(ray);
+  }
+  for (Target target : TargetsUnderTest()) {
+    SCOPED_TRACE(target.name());
+    FnvHash hash;
+    std::size_t hits = 0;
+    for (const Ray3& ray : rays) {
+      mesh.ForEachHit(
+          ray,
+          [&](std::uint32_t id, float t) {
+            hash.Add(id);
+            hash.AddFloat(t);
+            ++hits;
+          },
+          target);
+      MeshHit first;
+      mesh.FirstHits({&ray, 1}, {&first, 1}, target);
+      hash.Add(first.id);
+      MeshPoint closest;
+      mesh.ClosestPoints({&ray.origin, 1}, {&closest, 1},
+                         std::numeric_limits<float>::infinity(), target);
+      hash.Add(closest.id);
+      hash.AddFloat(closest.distance);
+      hash.AddAllFloats(closest.point);
+    }
+    ASSERT_GT(hits, 1000u);
+    EXPECT_TRUE(IsKnown("TriangleMesh", hash.value()));
   }
 }
 
