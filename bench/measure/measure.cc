@@ -22,7 +22,7 @@ double QuantileOf(std::vector<double> values, double quantile) {
 
 // What the clock can measure. Browsers' clocks have steps of 0.1 ms, or of 1
 // ms, of which ten would take a minute too long.
-double LeastSeconds() {
+double ShortestTiming() {
   static const double least = [] {
     double step = 1.0;
     for (int i = 0; i < 4; ++i) {  // the first ends at a step
@@ -40,12 +40,13 @@ double LeastSeconds() {
   return least;
 }
 
-// Fixed in advance, so that the time of the whole run can be estimated. The
-// first call is cold. A few calls more are timed together, because one of them
-// may take less than a step of the clock.
-std::size_t IterationsFor(const Case& c, const Effort& effort) {
+// How many calls a repetition has, fixed before the timing, so that the time of
+// the whole run can be estimated. The first call is cold. A few calls more are
+// timed together, because one of them may take less than a step of the clock. A
+// case with after() has one call.
+std::size_t CallsPerRepetition(const Case& c, const Effort& effort) {
   const double seconds =
-      std::max(effort.seconds_per_repetition, LeastSeconds());
+      std::max(effort.seconds_per_repetition, ShortestTiming());
   std::size_t least = 1;
   if (effort.is_complete) {
     least = (c.runs_of_all + effort.repetitions - 1) / effort.repetitions;
@@ -177,8 +178,8 @@ std::vector<Timing> MeasureOnce(const std::vector<Case>& cases,
                                    for (auto _ : state) c.run();
                                    if (c.after) c.after();
                                  })
-        ->Iterations(
-            static_cast<benchmark::IterationCount>(IterationsFor(c, effort)))
+        ->Iterations(static_cast<benchmark::IterationCount>(
+            CallsPerRepetition(c, effort)))
         ->Repetitions(static_cast<int>(effort.repetitions));
     if (i + 1 == cases.size() || cases[i + 1].group != c.group) {
       Collector collector(cases, timings);

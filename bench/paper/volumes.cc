@@ -139,9 +139,9 @@ Table DimensionsTable(Run& run) {
   return table;
 }
 
-// A world of boxes, tested as boxes and as octahedra around them: their minima
-// and D, then the rest for groups with survivors. D rejects nothing more, but
-// the minima with D enclose a volume, and those of a box do not.
+// Is a world of boxes faster as AABOs? Their D rejects nothing more. But minima
+// and D enclose a volume, so a first stage of these four half-spaces rejects
+// most objects. The minima of a box alone enclose none.
 Table BoxesTable(Run& run) {
   Table table{"volumes: boxes",
               "a world of boxes as AABBs, and as AABOs of the boxes: ns per "
@@ -161,22 +161,23 @@ Table BoxesTable(Run& run) {
       if (run.options.is_quick && size.name != "L2") continue;
       WorkingSet set(boxes, size);
       for (Target target : run.TargetsIn(size.name)) {
-        Contest ns(run, "volumes/boxes");
+        Contest contest(run, "volumes/boxes");
         Row row = {size.name, NameOf(target),
                    Fixed(percent, percent < 1.0 ? 1 : 0) + " %"};
         for (const auto& [name, schedule] : kSchedules) {
-          ns.Add({row[0], row[1], row[2], "AABB", name},
-                 set.LibraryCase(ShapeKind::kAabb,
-                                 {.schedule = schedule, .target = target}),
-                 Who::kCompetitor);
+          contest.Add({row[0], row[1], row[2], "AABB", name},
+                      set.LibraryCase(ShapeKind::kAabb,
+                                      {.schedule = schedule, .target = target}),
+                      Who::kCompetitor);
         }
-        ns.Add({row[0], row[1], row[2], "AABO"},
-               set.LibraryCase(ShapeKind::kAabo, {.target = target}));
-        ns.Time();
-        for (std::size_t i = 0; i < ns.size(); ++i) {
-          row.push_back(ns.Median(i));
+        contest.Add({row[0], row[1], row[2], "AABO"},
+                    set.LibraryCase(ShapeKind::kAabo, {.target = target}));
+        contest.Time();
+        for (std::size_t i = 0; i < contest.size(); ++i) {
+          row.push_back(contest.Median(i));
         }
-        row.push_back(Marked(RatioOf(ns.fastest(), ns.timing(4))));
+        row.push_back(Marked(
+            RatioOf(contest.fastest(), contest.timing(std::size(kSchedules)))));
         table.Add(std::move(row));
       }
     }

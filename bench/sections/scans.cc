@@ -306,8 +306,8 @@ Tables RunKernels(Run& run) {
   return {table};
 }
 
-// A call of kernels.h, and the checked one of reject.h, beside loops that are
-// written by hand for the target.
+// What the layers cost on a small scan: reject.h, which checks its arguments,
+// and kernels.h, which does not, beside loops written by hand for the target.
 Tables RunTier(Run& run) {
   Table table{"tier",
               "a call of kernels.h and one of reject.h, beside loops by hand",

@@ -30,6 +30,24 @@ void RunWalks(const BvhTree& tree, const BvhQueries& queries,
   }
 }
 
+// Throws if an array of a call for several queries is null, misaligned or too
+// short.
+void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
+                 std::size_t alignment, Span<std::uint32_t> ids,
+                 Span<std::size_t> offsets) {
+  dispatch::CheckMemory(call, "queries", queries, query_count, alignment);
+  dispatch::CheckMemory(call, "ids", ids.data(), ids.size(),
+                        alignof(std::uint32_t));
+  if (offsets.size() <= query_count) {
+    dispatch::ThrowInvalid(call, "offsets",
+                           "at least " + std::to_string(query_count + 1) +
+                               " elements, one more than the queries",
+                           std::to_string(offsets.size()));
+  }
+  dispatch::CheckMemory(call, "offsets", offsets.data(), offsets.size(),
+                        alignof(std::size_t));
+}
+
 }  // namespace
 
 std::size_t BvhTree::Survivors(const BvhQueries& query, Span<std::uint32_t> ids,

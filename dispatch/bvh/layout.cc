@@ -43,14 +43,10 @@ class Parts {
   T* Take(std::uint64_t count) {
     auto* part = begin_ == nullptr ? nullptr : reinterpret_cast<T*>(End());
     bytes_ += count * sizeof(T);
-    const auto in_line = static_cast<std::size_t>(bytes_ % kCacheLine);
-    Skip((kCacheLine - in_line) % kCacheLine);
+    const auto gap = static_cast<std::size_t>((0 - bytes_) % kCacheLine);
+    if (begin_ != nullptr && is_new_) std::memset(End(), 0, gap);
+    bytes_ += gap;
     return part;
-  }
-
-  void Skip(std::size_t bytes) {
-    if (begin_ != nullptr && is_new_) std::memset(End(), 0, bytes);
-    bytes_ += bytes;
   }
 
  private:
@@ -111,8 +107,12 @@ void FillPart(const BvhLevels& levels, std::size_t planes,
 // Doubles are prefetched so many elements ahead.
 constexpr std::size_t kAhead = 32;
 
-// A sample of the objects says where most values are. Codes would be 1.5 times
-// as fine without room for values outside of the sample.
+// Sets the masks of the node above a block to the union of those below it.
+void OrMasks(BvhLevels& levels, std::size_t level, std::size_t block) {
+  levels.level[level + 1].masks[block] = levels.level[level].MasksOf(block);
+}
+
+// A sample of the objects says where most values are.
 constexpr std::size_t kMostSamples = 1024;
 
 // Maps a range of an axis onto all codes. The least and the greatest 16th of
@@ -125,20 +125,20 @@ void FitAxis(std::span<float> minima, std::span<float> maxima, std::size_t axis,
   float low = 0;
   float width = 0;
   if (!minima.empty() && !maxima.empty()) {
-    float* const nth[] = {
-        minima.data() + minima.size() / 16,
-        maxima.data() + maxima.size() - 1 - maxima.size() / 16};
-    for (std::size_t m = 0; m < 2; ++m) {
-      const std::span<float> values = m == 0 ? minima : maxima;
-      std::nth_element(values.data(), nth[m], values.data() + values.size());
-    }
-    low = *nth[0];
-    float high = *nth[1];
+    const auto nth = [](std::span<float> values, std::size_t n) {
+      float* const place = values.data() + n;
+      std::nth_element(values.data(), place, values.data() + values.size());
+      return *place;
+    };
+    low = nth(minima, minima.size() / 16);
+    float high = nth(maxima, maxima.size() - 1 - maxima.size() / 16);
     if (!(low < high)) {
       low = *std::min_element(minima.begin(), minima.end());
       high = *std::max_element(maxima.begin(), maxima.end());
     }
     width = std::max(0.0f, high - low);
+    // Room for values outside of the sample. Codes would be 1.5 times as fine
+    // without it.
     low -= width / 4;
     width *= 1.5f;
   }
@@ -152,8 +152,8 @@ void FitAxis(std::span<float> minima, std::span<float> maxima, std::size_t axis,
 
 // value(p, s) is that of the object in slot s.
 template <typename Value>
-void FitMapTo(const PlaneLayout& layout, const BvhLevels& levels,
-              const Value& value) {
+void FitMapFrom(const PlaneLayout& layout, const BvhLevels& levels,
+                const Value& value) {
   constexpr float kMost = 0x1p100f;
   const std::size_t slots = levels.level[0].size;
   const std::size_t step = std::max({std::size_t{1}, slots / kMostSamples,
@@ -269,22 +269,6 @@ void EncodeSlots(BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
   }
 }
 
-void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
-                 std::size_t alignment, Span<std::uint32_t> ids,
-                 Span<std::size_t> offsets) {
-  dispatch::CheckMemory(call, "queries", queries, query_count, alignment);
-  dispatch::CheckMemory(call, "ids", ids.data(), ids.size(),
-                        alignof(std::uint32_t));
-  if (offsets.size() <= query_count) {
-    dispatch::ThrowInvalid(call, "offsets",
-                           "at least " + std::to_string(query_count + 1) +
-                               " elements, one more than the queries",
-                           std::to_string(offsets.size()));
-  }
-  dispatch::CheckMemory(call, "offsets", offsets.data(), offsets.size(),
-                        alignof(std::size_t));
-}
-
 // Cold, because the code that makes the texts of errors would be large
 // otherwise.
 [[gnu::cold]] void CheckColumns(const PlaneLayout& layout,
@@ -317,7 +301,7 @@ void FillPresent(const BvhLevel& level, std::size_t slots) {
 }
 
 void FitMap(const PlaneLayout& layout, const BvhLevels& levels) {
-  FitMapTo(layout, levels, [&](std::size_t p, std::size_t s) {
+  FitMapFrom(layout, levels, [&](std::size_t p, std::size_t s) {
     return levels.level[0].Value(p, s);
   });
 }
@@ -346,7 +330,7 @@ void FillSlots(const PlaneLayout& layout, const BvhLevels& levels,
                const BvhKernels::OfPlanes& kernels, const Runner& run) {
   if (levels.codes != nullptr) {
     dispatch::InDefaultFpMode([&] {
-      FitMapTo(layout, levels, [&](std::size_t p, std::size_t s) {
+      FitMapFrom(layout, levels, [&](std::size_t p, std::size_t s) {
         return objects.floats(
             p)[(elements == nullptr ? s : elements[s]) * objects.stride];
       });
@@ -424,10 +408,6 @@ BvhGroup AsIs(const PlaneLayout& layout, const BvhLevels& levels,
     }
   }
   return as_is;
-}
-
-void OrMasks(BvhLevels& levels, std::size_t level, std::size_t block) {
-  levels.level[level + 1].masks[block] = levels.level[level].MasksOf(block);
 }
 
 void OrAllMasks(BvhLevels& levels) {

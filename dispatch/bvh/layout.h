@@ -147,12 +147,6 @@ inline bool IsIn(const BvhLevels& levels, std::size_t slots, std::uint32_t id) {
   return slot < slots && levels.ids[slot] == id;
 }
 
-// Throws if an array of a call for several queries is null, misaligned or too
-// short.
-void CheckOfEach(const char* call, const void* queries, std::size_t query_count,
-                 std::size_t alignment, Span<std::uint32_t> ids,
-                 Span<std::size_t> offsets);
-
 // Throws, in the name of `call`, if the planes of the objects cannot be read.
 // There must be objects.
 void CheckColumns(const PlaneLayout& layout, const Columns& objects,
@@ -214,9 +208,7 @@ void EncodeLevels(const BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
 void EncodeSlots(BvhLevels& levels, const BvhKernels::OfPlanes& kernels,
                  std::size_t begin, std::size_t end);
 
-// Sets the masks of the node above a block, or of all nodes, to the union of
-// the masks below them.
-void OrMasks(BvhLevels& levels, std::size_t level, std::size_t block);
+// Sets the masks of all nodes to the union of the masks below them.
 void OrAllMasks(BvhLevels& levels);
 
 // Copies the bounds of the slots of a block whose bits are set. Slot s gets

@@ -263,13 +263,16 @@ void Sort(PairList& pairs) {
   }
 }
 
-// A pair that is in the list twice, or a pair of equal ids.
-IdPair FindTwice(Span<const IdPair> pairs, const MemoryResource& memory) {
+void CheckEachOnce(const char* call, Span<const IdPair> pairs,
+                   const MemoryResource& memory) {
   PairList sorted(memory);
   sorted.Append(pairs);
   Sort(sorted);
   const IdPair* const twice = std::adjacent_find(sorted.begin(), sorted.end());
-  return twice == sorted.end() ? IdPair{0, 0} : *twice;
+  if (twice == sorted.end()) return;
+  dispatch::ThrowInvalid(
+      call, "pairs", "each pair once",
+      std::to_string(twice->a) + " and " + std::to_string(twice->b) + " twice");
 }
 
 // The difference of two lists, each of which has a pair at most once. Lists
@@ -404,24 +407,28 @@ class Difference {
     ended_.SetSize(static_cast<std::size_t>(to - ended));
   }
 
-  // Removes the pairs that are in both lists.
+  // Removes the pairs that are in both lists, which are sorted. A pair is
+  // always written, and stays only if its list's end moves on: the comparisons
+  // would be mispredicted.
   void MatchSorted() {
-    const IdPair* before = ended_.begin();
-    const IdPair* after = began_.begin();
-    IdPair* ended = ended_.begin();
-    IdPair* began = began_.begin();
-    while (before != ended_.end() && after != began_.end()) {
-      const std::uint64_t key = KeyOf(*before);
-      const std::uint64_t other = KeyOf(*after);
-      if (key <= other) *ended = *before++;
-      if (other <= key) *began = *after++;
-      ended += key < other ? 1 : 0;
-      began += other < key ? 1 : 0;
+    const IdPair* ended = ended_.begin();
+    const IdPair* began = began_.begin();
+    IdPair* to_ended = ended_.begin();
+    IdPair* to_began = began_.begin();
+    while (ended != ended_.end() && began != began_.end()) {
+      const std::uint64_t ended_key = KeyOf(*ended);
+      const std::uint64_t began_key = KeyOf(*began);
+      if (ended_key <= began_key) *to_ended = *ended++;
+      if (began_key <= ended_key) *to_began = *began++;
+      to_ended += ended_key < began_key ? 1 : 0;
+      to_began += began_key < ended_key ? 1 : 0;
     }
-    ended = std::copy(before, static_cast<const IdPair*>(ended_.end()), ended);
-    began = std::copy(after, static_cast<const IdPair*>(began_.end()), began);
-    ended_.SetSize(static_cast<std::size_t>(ended - ended_.begin()));
-    began_.SetSize(static_cast<std::size_t>(began - began_.begin()));
+    const IdPair* const ended_end = ended_.end();
+    const IdPair* const began_end = began_.end();
+    to_ended = std::copy(ended, ended_end, to_ended);
+    to_began = std::copy(began, began_end, to_began);
+    ended_.SetSize(static_cast<std::size_t>(to_ended - ended_.begin()));
+    began_.SetSize(static_cast<std::size_t>(to_began - began_.begin()));
   }
 
   const Span<const IdPair> before_;
@@ -604,7 +611,6 @@ void PairEventsCore::Load(Span<const IdPair> pairs) {
   constexpr const char* kCall = "PairEvents::Load";
   dispatch::CheckMemory(kCall, "pairs", pairs.data(), pairs.size(),
                         alignof(IdPair));
-  std::size_t id_limit = 0;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const auto [a, b] = pairs[i];
     if (a >= b || b == kNoId) {
@@ -612,16 +618,10 @@ void PairEventsCore::Load(Span<const IdPair> pairs) {
                              std::to_string(a) + " and " + std::to_string(b),
                              i);
     }
-    id_limit = std::max<std::size_t>(id_limit, std::size_t{b} + 1);
   }
-  const IdPair twice = FindTwice(pairs, memory());
-  if (twice.a != twice.b) {
-    dispatch::ThrowInvalid(
-        kCall, "pairs", "each pair once",
-        std::to_string(twice.a) + " and " + std::to_string(twice.b) + " twice");
-  }
+  CheckEachOnce(kCall, pairs, memory());
   PairEventsCore loaded(memory());
-  loaded.id_limit_ = id_limit;
+  loaded.id_limit_ = LimitOf(pairs, 0);
   loaded.pairs_.Append(pairs);
   swap(*this, loaded);
 }

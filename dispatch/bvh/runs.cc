@@ -75,7 +75,7 @@ class MergedRuns {
     const std::byte* end;
   };
 
-  // Ids ascend from run to run.
+  // The order that a sort of all objects gives, however large a run is.
   static std::uint64_t KeyOf(const Head& head) {
     CurveKey key;
     std::memcpy(&key, head.next, sizeof(key));
@@ -171,14 +171,16 @@ void BvhState::BuildInRuns(const BvhRoom& room, const Columns& objects,
   constexpr std::size_t kLeastPart = std::size_t{1} << 16;
   const std::size_t part = std::max(run_objects, kLeastPart);
   std::uint32_t place = 0;
-  std::size_t cell = 0;
+  std::size_t cell_begin = 0;
+  // As ForCrowdedCells(), for a cell whose objects have come to their slots.
   const auto order_cell = [&](std::size_t end) {
-    for (std::size_t begin = cell; end - cell > kBlockObjects && begin < end;
-         begin += part) {
-      SortSlots(begin, std::min(end, begin + part), weights, kernels,
-                options.run);
+    if (end - cell_begin > kBlockObjects) {
+      for (std::size_t begin = cell_begin; begin < end; begin += part) {
+        SortSlots(begin, std::min(end, begin + part), weights, kernels,
+                  options.run);
+      }
     }
-    cell = end;
+    cell_begin = end;
   };
   for (std::size_t s = 0; s < count; ++s) {
     const std::byte* const record = merge.Next();

@@ -1,4 +1,4 @@
-// Target: names the instruction set of a call. targets.h lists the targets.
+// Target: the instruction set that a call runs on. targets.h lists them.
 //
 // Thread safety: a plain value.
 #ifndef HALFSPACE_TARGET_H_

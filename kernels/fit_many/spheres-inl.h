@@ -76,7 +76,7 @@ struct SphereBuilder {
                                 hn::Neg(Difference(d, hn::Neg(center), radius)),
                                 ok, highest, out.max(k), i);
     }
-    // D is -(x + y + ...), more or less the reach, in double.
+    // The bounds of D are -(x + y + ...) plus and minus the reach, in double.
     const WideTag dw;
     auto reach = hn::Mul(hn::PromoteTo(dw, radius),
                          hn::Set(dw, kernels::kRootOfDims<kDims>));
@@ -111,7 +111,8 @@ struct SphereBuilder {
 
 template <int kDims>
 kernels::FitTally FitSpheres(const kernels::FitJob& job) {
-  return FitAll(SphereBuilder<kDims>(), job, job.columns.stride == 1);
+  return FitAll(SphereBuilder<kDims>(), job,
+                /*is_read_in_place=*/job.columns.stride == 1);
 }
 
 }  // namespace HWY_NAMESPACE
