@@ -32,8 +32,9 @@ enum class MatrixOrder : std::uint8_t { kColumnMajor, kRowMajor };
 
 // The half-spaces of the six sides: left, right, bottom, top, and the two ends
 // of the depth. Then those of an axis-aligned box around the frustum, which are
-// cheap to test and reject large objects near its corners. Normals point
-// inward. One that keeps everything has the normal 0 and the offset 0.
+// cheap to test and reject large objects near its corners. For small spheres
+// the six sides alone, {seen.data(), 6}, take less time. Normals point inward.
+// One that keeps everything has the normal 0 and the offset 0.
 using Frustum3 = std::array<HalfSpace3, 12>;
 
 // Returns the half-spaces of what a camera sees: of all points that M takes
