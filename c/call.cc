@@ -67,6 +67,7 @@ constexpr NameInC kNames[] = {
     {"", "world.size", "scan"},
     {"Bvh::Refit", "bounds", "objects"},
     {"", "options.margin", "options->margin"},
+    {"", "options.within", "options->within"},
     {"MemoryResource::allocate", "the result", "allocator.allocate"},
 };
 

@@ -19,7 +19,8 @@ constexpr hs_pair_options kPairDefaults = {
     0,
     std::numeric_limits<std::size_t>::max(),
     nullptr,
-    nullptr};
+    nullptr,
+    0.0f};
 
 static_assert(sizeof(hs_id_pair) == sizeof(IdPair));
 static_assert(alignof(hs_id_pair) == alignof(IdPair));
@@ -49,6 +50,7 @@ void RunPairs(const Call& call, const Sources<Tree>& from,
       ReadOptions(call, "options", options, kPairDefaults);
   PairOptions pairs = {.mask = read.mask,
                        .margin = read.margin,
+                       .within = read.within,
                        .skip = read.skip,
                        .begin = read.begin,
                        .end = read.end,

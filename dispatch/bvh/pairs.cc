@@ -11,9 +11,11 @@
 
 #include "dispatch/bvh/scratch.h"
 #include "dispatch/bvh/tree.h"
+#include "dispatch/default_fp_mode.h"
 #include "dispatch/errors/error.h"
 #include "dispatch/errors/memory_checks.h"
 #include "dispatch/errors/number_checks.h"
+#include "dispatch/outward.h"
 #include "dispatch/sink.h"
 #include "halfspace/bvh_pairs.h"
 #include "kernels/bvh/kernel_table.h"
@@ -176,17 +178,40 @@ class ObjectSet {
   Masks wanted_;
 };
 
-// The margin on each axis. D is minus the sum of the others, so its margin is
-// larger.
-std::array<float, 4> MarginsOf(const PlaneLayout& layout, float margin) {
+// The margin on each axis. D is minus the sum of the others, so it has
+// `of_d` times the margin.
+std::array<float, 4> MarginsOf(const PlaneLayout& layout, float margin,
+                               double of_d) {
   std::array<float, 4> margins{};
   for (std::size_t k = 0; k < layout.axes; ++k) {
-    margins[k] = k < layout.dims
-                     ? margin
-                     : std::nextafter(static_cast<float>(layout.dims) * margin,
-                                      std::numeric_limits<float>::infinity());
+    margins[k] = k < layout.dims ? margin : dispatch::RoundUp(of_d * margin);
   }
   return margins;
+}
+
+// The error of a squared distance in floats is below 2^-20, or 2^-120.
+NearLimit NearLimitOf(const PlaneLayout& layout, float within) {
+  // In some modes an overflow becomes the greatest float.
+  constexpr double kMost = 0x1p127;
+  constexpr double kLeast = 0x1p-100;
+  NearLimit limit{};
+  limit.dims = layout.dims;
+  const double squared = double{within} * within;
+  limit.squared = squared * (1 + 0x1p-50);
+  limit.sure =
+      squared < kLeast
+          ? -1.0f
+          : static_cast<float>(std::min(kMost, squared * (1 - 0x1p-18)));
+  limit.beyond = dispatch::RoundUp(std::max(kLeast, squared) * (1 + 0x1p-18));
+  limit.d_gap = dispatch::RoundUp(std::sqrt(static_cast<double>(layout.dims)) *
+                                      within * (1 + 0x1p-20) +
+                                  0x1p-120);
+  return limit;
+}
+
+// Looks at the bits, because a compare may flush subnormals.
+bool IsAboveZero(float length) {
+  return kernels::BitCast<std::uint32_t>(length) << 1 != 0;
 }
 
 // Whether a list without absent ids is of all objects. Looks at sorted lists
@@ -216,9 +241,13 @@ void FindPairs(const PairSources& sources, const PairOptions& options,
   const BvhTree& a = *sources.a;
   const BvhTree& b = sources.b != nullptr ? *sources.b : a;
   dispatch::CheckFiniteLength(call, "options.margin", options.margin);
-  // Looks at the bits, because a compare may flush subnormals.
-  const bool has_margin =
-      kernels::BitCast<std::uint32_t>(options.margin) << 1 != 0;
+  dispatch::CheckFiniteLength(call, "options.within", options.within);
+  const bool has_margin = IsAboveZero(options.margin);
+  const bool is_near = IsAboveZero(options.within);
+  if (has_margin && is_near) {
+    dispatch::ThrowInvalid(call, "options.within", "0 next to a margin",
+                           detail::NumberText(options.within));
+  }
   if (sources.ids != nullptr) {
     CheckSet(a, *sources.ids, options.wanted, call);
   } else if (!options.wanted.empty()) {
@@ -231,8 +260,16 @@ void FindPairs(const PairSources& sources, const PairOptions& options,
   join.walk.mask = options.mask;
   join.queries = &a.levels();
   join.is_one_world = sources.b == nullptr;
-  join.has_margin = has_margin;
-  if (join.has_margin) join.margins = MarginsOf(a.type(), options.margin);
+  join.has_margin = has_margin || is_near;
+  if (join.has_margin) {
+    dispatch::InDefaultFpMode([&] {
+      const auto dims = static_cast<double>(a.type().dims);
+      join.margins = is_near
+                         ? MarginsOf(a.type(), options.within, std::sqrt(dims))
+                         : MarginsOf(a.type(), options.margin, dims);
+      if (is_near) join.near = NearLimitOf(a.type(), options.within);
+    });
+  }
   join.begin = options.begin;
   join.end = std::min(options.end, BlocksOf(a.levels().level[0].size));
   join.pairs = &pairs;

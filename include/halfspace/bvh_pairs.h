@@ -20,9 +20,10 @@
 // pairs in the same order.
 //
 // Errors (error.h), in every call: an output with room or a list of ids is null
-// or misaligned; an id is not that of an object in the BVH; the margin is
-// negative or not finite; `wanted` is not empty and has another size than
-// `ids`, or the call has no set; the target is not supported.
+// or misaligned; an id is not that of an object in the BVH; the margin or
+// `within` is negative or not finite, or both are above 0; `wanted` is not
+// empty and has another size than `ids`, or the call has no set; the target is
+// not supported.
 //
 // Floating-point mode: as in bvh.h.
 //
@@ -81,6 +82,13 @@ struct PairOptions {
   // outward, so a pair can be found that is farther apart by up to 2^-21 of its
   // coordinates and of the margin. Must be finite and not negative.
   float margin = 0;
+  // Also finds pairs of boxes whose Euclidean distance is at most this. Boxes
+  // with min == max are points. Octahedra are as far apart as their boxes, and
+  // no pair if they are more than sqrt(dimensions) times this apart on D. The
+  // distance of the stored planes decides: a pair can be found that is farther
+  // apart by 2^-48 of it, and on D by 2^-18. Must be finite and not negative,
+  // and 0 if there is a margin.
+  float within = 0;
   // The first `skip` pairs are not written, and no function is called for them.
   // So a call that had no room for all pairs can be continued. The number that
   // is returned is the full number.

@@ -166,6 +166,16 @@ struct SlotSet {
   const std::uint32_t* wanted;
 };
 
+// A limit of the Euclidean distance between boxes. Squared distances in floats
+// decide up to `sure` and from `beyond` on, and in doubles between them.
+struct NearLimit {
+  std::size_t dims = 0;  // 0 without a limit
+  float sure;
+  float beyond;
+  double squared;
+  float d_gap;  // between octahedra on D
+};
+
 // Finds the pairs of the objects in blocks begin ... end - 1 of one world with
 // the objects of another world or of the same world.
 struct PairJoin {
@@ -176,6 +186,7 @@ struct PairJoin {
   bool has_margin;
   // Bounds up to this far apart on each axis are a pair.
   std::array<float, 4> margins;
+  NearLimit near;  // no farther apart than the margins
   std::size_t begin;
   std::size_t end;
   Results<IdPair>* pairs;

@@ -17,8 +17,10 @@
 
 #include "hwy/highway.h"
 #include "kernels/bvh/blocks-inl.h"
+#include "kernels/bvh/half_space_sum-inl.h"
 #include "kernels/bvh/kernel_table.h"
 #include "kernels/bvh/walk-inl.h"
+#include "kernels/fp_mode.h"
 #include "kernels/scan/words-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -322,6 +324,13 @@ class PairWalker
       }
       objects &= ~(HasWanted() ? FindersOf(slot, block, before) : before);
     }
+    if (join_.near.dims != 0 && objects != 0) {
+      const float* planes[kPlanes];
+      for (size_t p = 0; p < kPlanes; ++p) {
+        planes[p] = levels.level[0].Plane(block, p);
+      }
+      objects = KeepNear(join_.queries->level[0], slot, planes, objects);
+    }
     return objects == 0 || WriteAll(join_.queries->ids[slot], objects,
                                     levels.ids + block * detail::kBlockObjects);
   }
@@ -384,8 +393,9 @@ class PairWalker
     std::memset(ids_, 0, sizeof(ids_));
   }
 
-  // Appends some objects of a block, grown by the margin, to the gathered
-  // objects. Returns the new number of gathered objects.
+  // Appends some objects of a block to the gathered objects, grown by the
+  // margin unless their distance is limited. Returns the new number of gathered
+  // objects.
   HWY_NOINLINE size_t Gather(const detail::BvhLevels& levels, size_t block,
                              uint64_t objects, size_t count) {
     const size_t begin = count;
@@ -396,7 +406,7 @@ class PairWalker
       }
       ids_[count] = levels.ids[block * detail::kBlockObjects + i];
     }
-    if (join_.has_margin) GrowGathered(begin, count);
+    if (join_.has_margin && join_.near.dims == 0) GrowGathered(begin, count);
     return count;
   }
 
@@ -431,10 +441,79 @@ class PairWalker
       }
       const size_t i = block * detail::kBlockObjects +
                        hwy::Num0BitsBelowLS1Bit_Nonzero64(objects);
+      if (join_.near.dims != 0) {
+        SetNext(WriteNear<kIsSecond>(kEachPlane, levels, i, wanted, Next()));
+        continue;
+      }
       SetNext(CompareOne<kIsSecond>(kEachPlane, levels, i, begin, count, wanted,
                                     Next()));
     }
     return true;
+  }
+
+  template <bool kIsSecond, size_t... kPlane>
+  HWY_NOINLINE uint32_t* WriteNear(std::index_sequence<kPlane...>,
+                                   const detail::BvhLevels& levels, size_t i,
+                                   uint64_t wanted, uint32_t* to) const {
+    const float* const planes[] = {values_[kPlane]...};
+    return WriteFew<kIsSecond>(
+        levels.ids[i], KeepNear(levels.level[0], i, planes, wanted), ids_, to);
+  }
+
+  // The lanes of up to 64 objects that are near object i of a level, of those
+  // whose bits are set.
+  HWY_NOINLINE uint64_t KeepNear(const detail::BvhLevel& level, size_t i,
+                                 const float* const* planes,
+                                 uint64_t objects) const {
+    const detail::NearLimit& limit = join_.near;
+    const Tag d;
+    const auto zero = hn::Zero(d);
+    const auto gap_at = [&](size_t k, size_t j) HWY_ATTR {
+      return GreaterOf(hn::Sub(hn::Set(d, level.Value(k, i)),
+                               hn::LoadU(d, planes[kAxes + k] + j)),
+                       GreaterOf(hn::Sub(hn::LoadU(d, planes[k] + j),
+                                         hn::Set(d, level.Value(kAxes + k, i))),
+                                 zero));
+    };
+    uint64_t far = 0;
+    uint64_t sure = 0;
+    for (size_t j = 0; j < 64 && objects >> j != 0; j += hn::Lanes(d)) {
+      auto squared = zero;
+      for (size_t k = 0; k < limit.dims; ++k) {
+        const auto gap = gap_at(k, j);
+        squared = hn::Add(squared, hn::Mul(gap, gap));
+      }
+      auto is_far = hn::Gt(squared, hn::Set(d, limit.beyond));
+      if (limit.dims < kAxes) {
+        is_far = hn::Or(is_far,
+                        hn::Gt(gap_at(limit.dims, j), hn::Set(d, limit.d_gap)));
+      }
+      far |= LaneBits(d, is_far) << j;
+      sure |= LaneBits(d, hn::Le(squared, hn::Set(d, limit.sure))) << j;
+    }
+    objects &= ~far;
+    uint64_t unsure = objects & ~sure;
+    if (unsure == 0) return objects;
+    const kernels::FpMode<kernels::Rounding::kToNearest> mode;
+    for (; unsure != 0; unsure &= unsure - 1) {
+      const size_t lane = hwy::Num0BitsBelowLS1Bit_Nonzero64(unsure);
+      if (!IsNear(level, i, planes, lane)) objects &= ~(uint64_t{1} << lane);
+    }
+    return objects;
+  }
+
+  HWY_NOINLINE bool IsNear(const detail::BvhLevel& level, size_t i,
+                           const float* const* planes, size_t lane) const {
+    double squared = 0;
+    for (size_t k = 0; k < join_.near.dims; ++k) {
+      const double above = double{level.Value(k, i)} - planes[kAxes + k][lane];
+      const double below = double{planes[k][lane]} - level.Value(kAxes + k, i);
+      // Both are above 0 in an inverted box, and either can be NaN.
+      double gap = above > 0 ? above : 0;
+      if (below > gap) gap = below;
+      squared += gap * gap;
+    }
+    return squared <= join_.near.squared;
   }
 
   HWY_INLINE bool HasRoom() const {

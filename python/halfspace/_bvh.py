@@ -279,9 +279,8 @@ class BVH(Searches):
 
         With `margin`, also those that are at most `margin` apart on each axis, or with
         `within` those whose Euclidean distance is at most `within`. Both are rounded up
-        to float32. `within` takes 12 more bytes for each value of a box during the call,
-        unless the tree is exact. With `mask`, the masks of both objects have one of
-        its bits. `threads` and `progress` are those of `BVH`.
+        to float32. With `mask`, the masks of both objects have one of its bits.
+        `threads` and `progress` are those of `BVH`.
 
         Returns `i, j`, an array of int64 with the shape (2, n), with `i < j`.
         Each pair is found once. The order of the pairs is unspecified, but

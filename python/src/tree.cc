@@ -566,8 +566,7 @@ py::array BlobOf(const py::object& object, bool is_pickle) {
 // without the interpreter's lock.
 Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b,
                               hs_pair_options options, Work& work,
-                              const Rows& of_a, const Rows& of_b,
-                              bool is_round = false) {
+                              const Rows& of_a, const Rows& of_b) {
   std::size_t leaves = 0;
   Check(hs_bvh_pair_parts(a, &leaves));
   const std::size_t parts = PartsOf(leaves, kPartLeaves);
@@ -583,7 +582,8 @@ Results<hs_id_pair> FindPairs(const hs_bvh* a, const hs_bvh* b,
                 : hs_bvh_join(a, b, &its, pairs.data(), pairs.size(), &total));
       const bool is_exact = !of_a.values.empty() && !of_b.values.empty();
       if (total > pairs.size() || !is_exact) return total;
-      return KeepNear(of_a, of_b, options.margin, is_round, pairs.first(total));
+      return KeepNear(of_a, of_b, std::max(options.margin, options.within),
+                      options.within > 0, pairs.first(total));
     });
   });
   return results;
@@ -699,7 +699,7 @@ std::vector<double> DoublesOf(const Tree& tree) {
 Ids PairsOf(Tree& tree, Tree* b, float margin, bool is_round,
             const py::tuple& how) {
   hs_pair_options options = DefaultOf(&hs_pair_options_default);
-  options.margin = margin;
+  (is_round ? options.within : options.margin) = margin;
   options.mask = MaskOf(how);
   Work work = WorkOf(how);
   const auto results = [&] {
@@ -708,11 +708,11 @@ Ids PairsOf(Tree& tree, Tree* b, float margin, bool is_round,
     const Reading reading(tree);
     const Reading reading_b(other);
     const py::gil_scoped_release release;
-    // A tree of floats has no doubles.
+    // If one tree is exact, doubles decide. A tree of floats has none.
     Rows of_a = tree.rows();
     Rows of_b = other.rows();
     std::array<std::vector<double>, 2> made;
-    if (is_round || tree.is_exact || other.is_exact) {
+    if (tree.is_exact || other.is_exact) {
       if (!tree.is_exact) of_a.values = made[0] = DoublesOf(tree);
       if (&tree == &other) {
         of_b = of_a;
@@ -724,7 +724,7 @@ Ids PairsOf(Tree& tree, Tree* b, float margin, bool is_round,
     Check(hs_bvh_size(tree.get(), &size));
     work.SetStage(0, size, size);
     return FindPairs(tree.get(), b == nullptr ? nullptr : b->get(), options,
-                     work, of_a, of_b, is_round);
+                     work, of_a, of_b);
   }();
   std::vector<std::size_t> offsets{0};
   for (const auto& list : results.lists) {

@@ -40,6 +40,7 @@ OFFSETS5(hs_query_options, mask, 8, shape, 12, skip, 16, target, 24, exclusive,
 OFFSETS1(hs_id_pair, b, 4);
 OFFSETS7(hs_pair_options, mask, 8, margin, 12, skip, 16, begin, 24, end, 32,
          target, 40, wanted, 48);
+OFFSETS1(hs_pair_options, within, 56);
 OFFSETS5(hs_pair_event_options, mask, 8, margin, 12, target, 16, run, 24,
          run_context, 32);
 OFFSETS1(hs_body_masks, collides_with, 4);

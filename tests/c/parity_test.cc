@@ -656,7 +656,9 @@ void CheckPairs(const List& list, const Each& each, const Pairs& pairs,
     PairOptions of_cc;
     if (choice % 2 == 1) {
       options.mask = of_cc.mask = 7;
-      options.margin = of_cc.margin = 0.01f;
+      // The margin first, then the distance.
+      if (choice == 1) options.margin = of_cc.margin = 0.01f;
+      if (choice == 3) options.within = of_cc.within = 0.02f;
       options.target = LastTarget();
       options.wanted = wanted.data();
       of_cc.wanted = wanted;

@@ -746,6 +746,9 @@ typedef struct hs_pair_options {
                            // one bit of wanted[i], and with all ones it wants
                            // all. A pair is found if an object of the set wants
                            // the other one.
+  float within;  // also finds pairs of boxes whose Euclidean distance is at
+                 // most this. Must be finite and not negative, and 0 if there
+                 // is a margin.
 } hs_pair_options;
 
 HALFSPACE_API hs_status hs_pair_options_default(hs_pair_options* options,

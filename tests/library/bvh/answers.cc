@@ -109,6 +109,31 @@ bool AreSeparated(const Layout& layout, const Planes& a, const Planes& b,
   return false;
 }
 
+// Whether the Euclidean distance of two boxes is greater than a limit, or that
+// of octahedra on D than sqrt(dims) times the limit. With `rounding`, by a
+// share of 2^-48, and on D by more.
+bool AreFar(const Layout& layout, const Planes& a, const Planes& b,
+            float within, double rounding) {
+  const bool is_loose = rounding != 0;
+  const long double limit = within;
+  long double on_d = std::sqrt(static_cast<long double>(layout.dims)) * limit;
+  on_d = is_loose ? on_d * (1 + 0x1p-17L) + 0x1p-119L : on_d * (1 + 0x1p-60L);
+  // The difference of two floats on D can overflow.
+  const bool has_d = layout.axes > layout.dims && !(is_loose && on_d > kMost);
+  long double squared = 0;
+  for (std::size_t k = 0; k < (has_d ? layout.axes : layout.dims); ++k) {
+    const std::size_t max = layout.first_max + k;
+    long double gap = 0;  // with a NaN, too
+    for (const long double apart : {static_cast<long double>(a[k]) - b[max],
+                                    static_cast<long double>(b[k]) - a[max]}) {
+      if (apart > gap) gap = apart;
+    }
+    if (k == layout.dims && gap > on_d) return true;
+    if (k < layout.dims) squared += gap * gap;
+  }
+  return squared > limit * limit * (is_loose ? 1 + 0x1p-47L : 1);
+}
+
 // A bound of a sphere: on D it is that of the sphere, too. Planes of a query
 // are those that a plane is compared with.
 Planes BoundOfBall(const Layout& layout, const Corner& center, float radius,
@@ -539,6 +564,7 @@ struct PairsAsked {
   const Ids* ids = nullptr;
   Ids wanted = {};  // of the ids; empty if all are wanted
   float margin = 0;
+  float within = 0;
 };
 // The world is a BVH unless `ids` are of one world.
 void ExpectPairs(const Searches& world, const Objects& objects,
@@ -590,12 +616,16 @@ void ExpectPairs(const Searches& world, const Objects& objects,
       std::pair pair(a.id, b.id);
       if (is_one_world) pair = std::minmax(a.id, b.id);
       const auto is_apart = [&](double rounding) {
-        return AreSeparated(world.layout, a.object->bound, b.object->bound,
-                            asked.margin, rounding);
+        const Planes& x = a.object->bound;
+        const Planes& y = b.object->bound;
+        return asked.within > 0
+                   ? AreFar(world.layout, x, y, asked.within, rounding)
+                   : AreSeparated(world.layout, x, y, asked.margin, rounding);
       };
       if (!is_apart(0)) {
         must.push_back(pair);
-      } else if (asked.margin == 0 || is_apart(0x1p-21)) {
+      } else if ((asked.margin == 0 && asked.within == 0) ||
+                 is_apart(0x1p-21)) {
         continue;
       }
       may.push_back(pair);
@@ -610,6 +640,7 @@ void ExpectPairs(const Searches& world, const Objects& objects,
     PairOptions options{.mask = how.mask,
                         .wanted = asked.wanted,
                         .margin = asked.margin,
+                        .within = asked.within,
                         .target = target};
     const auto* const set = asked.ids == nullptr ? nullptr : &ids;
     const auto find = [&](Span<IdPair> pairs) {
@@ -636,9 +667,9 @@ void ExpectPairs(const Searches& world, const Objects& objects,
     ASSERT_TRUE(std::adjacent_find(sorted.begin(), sorted.end()) ==
                 sorted.end());
     ASSERT_EQ(Difference(must, sorted), PairList())
-        << "missed, margin " << asked.margin;
+        << "missed, margin " << asked.margin << ", within " << asked.within;
     ASSERT_EQ(Difference(sorted, may), PairList())
-        << "too many, margin " << asked.margin;
+        << "too many, margin " << asked.margin << ", within " << asked.within;
     for (const IdPair& pair : found) {
       if (asked.ids == nullptr) break;
       ASSERT_TRUE(
@@ -857,7 +888,7 @@ void ExpectAnswers(const Searches& world, const Objects& objects,
   asked.ids = &ids;
 
   constexpr float kMargins[] = {0, 0, 0.7f, 7.0f, 1e-30f, 1e-42f, 3e38f};
-  asked.margin = kMargins[random() % 7];
+  (random() % 2 == 0 ? asked.margin : asked.within) = kMargins[random() % 7];
 
   ExpectPairs(world, objects, asked, how);
 }
@@ -906,7 +937,8 @@ void ExpectIsModel(const AnyBvh& world, const Objects& objects,
     }
     asked.ids = &ids;
   }
-  asked.margin = random() % 2 == 0 ? 0 : 0.5f;
+  (random() % 2 == 0 ? asked.margin : asked.within) =
+      random() % 2 == 0 ? 0 : 0.5f;
   ExpectPairs(world, objects, asked, how);
 }
 

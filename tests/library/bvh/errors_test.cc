@@ -297,7 +297,11 @@ TEST_F(BvhErrorsTest, PairsCheckTheirArguments) {
   for (float margin : {-1.0f, kInf, kNan}) {
     refuses(ids, "options.margin: expected a finite number", "",
             {.margin = margin});
+    refuses(ids, "options.within: expected a finite number", "",
+            {.within = margin});
   }
+  refuses(ids, "options.within: expected 0 next to a margin", "0.5",
+          {.margin = 1, .within = 0.5f});
   const Ids masks(4, 1);
   refuses(ids, "options.wanted: expected 3 masks", "4", {.wanted = masks});
   refuses(ids, "options.wanted: expected 3 masks", "a null pointer",

@@ -250,6 +250,40 @@ TEST(BvhPairsTest, ASubnormalMarginIsOneThoughSubnormalsAreFlushed) {
   EXPECT_EQ(Pairs(bvh, {}, {.margin = 0x1p-149f}), 1u);
 }
 
+// The floats cannot tell 5 from what is next to it, whose square is rounded.
+TEST(BvhPairsTest, TheDistanceOfPointsIsExact) {
+  const float beyond = std::nextafter(4.0f, 5.0f);
+  const auto point = [](float x, float y, float z) {
+    return Aabb3{{x, y, z}, {x, y, z}};
+  };
+  std::vector<Aabb3> points = {point(0, 0, 0), point(3, 4, 0),
+                               point(-3, beyond, 0), point(0, -3, -4)};
+  for (std::size_t more : {0, 100}) {
+    // Far apart from each other, so that a set of few and of many is tested.
+    for (std::size_t i = 0; i < more; ++i) {
+      points.push_back(point(100 + 10 * static_cast<float>(i), 0, 0));
+    }
+    const AabbBvh3 bvh(points);
+    const AabbBvh3 origin(Span<const Aabb3>(points.data(), 1));
+    for (Target target : TargetsUnderTest()) {
+      const PairOptions options = {.within = 5, .target = target};
+      EXPECT_EQ(Pairs(bvh, {}, options), 2u) << target.name();
+      EXPECT_EQ(Pairs(origin, bvh, {}, options), 3u) << target.name();
+      EXPECT_EQ(PairsOf(bvh, Ids{1, 2}, {}, options), 1u) << target.name();
+    }
+  }
+}
+
+TEST(BvhPairsTest, ASubnormalDistanceIsOneThoughSubnormalsAreFlushed) {
+  constexpr float kLeast = std::numeric_limits<float>::min();
+  const AabbBvh3 bvh(
+      std::vector<Aabb3>{{{0, 0, 0}, {kLeast, 0, 0}},
+                         {{std::nextafter(kLeast, 1.0f), 0, 0}, {1, 0, 0}},
+                         {{std::nextafter(1.0f, 2.0f), 0, 0}, {2, 0, 0}}});
+  const FlushDenormals flush;
+  EXPECT_EQ(Pairs(bvh, {}, {.within = 0x1p-149f}), 1u);
+}
+
 // Records with other data between them.
 struct Body {
   double mass;
