@@ -19,8 +19,7 @@ import shapely  # type: ignore
 from shapely.errors import TopologicalError  # type: ignore
 from shapely.geometry.base import BaseGeometry  # type: ignore
 
-from . import _halfspace
-from ._arrays import ALL_MASKS
+from . import _arrays, _halfspace
 from ._bvh import BVH
 
 __all__ = ["STRtree", "sjoin", "sjoin_nearest"]
@@ -91,8 +90,8 @@ class STRtree:
         """The geometries, in the order of the indices that calls return."""
         return self._geometries
 
-    def query(self, geometry: Any, predicate: Optional[str] = None,
-              distance: Any = None) -> np.ndarray:
+    def query(self, geometry: Any, predicate: Optional[str] = None, distance: Any = None, *,
+              threads: Optional[int] = 1) -> np.ndarray:
         """Finds the geometries whose boxes overlap those of the given ones.
 
         Parameters
@@ -105,6 +104,9 @@ class STRtree:
             geometries for which `predicate(geometry, its geometry)` holds.
         distance : float or sequence of floats, one for each geometry
             Of "dwithin", and only of this: finds what is at most so far away.
+        threads : int or None
+            The number of threads for boxes and predicates, as in `BVH`. Geometries of
+            shapely 1.8 must not change during a call.
 
         Returns
         -------
@@ -124,13 +126,14 @@ class STRtree:
         if predicate == "dwithin":
             limits = _limits(distance, len(given))
             boxes = _grown(boxes, np.where(limits >= 0, limits, np.nan))
-        rows, ids = self._overlaps(boxes)
+        count = _arrays.threads(threads)
+        rows, ids = self._overlaps(boxes, count)
         if predicate is not None:
             if predicate == "dwithin":
-                far = given.distances(rows, self._its, ids, self._names)
+                far = given.distances(rows, self._its, ids, self._names, count)
                 is_kept = far <= limits[rows]
             else:
-                is_kept = given.hold(predicate, rows, self._its, ids, self._names)
+                is_kept = given.hold(predicate, rows, self._its, ids, self._names, count)
             rows, ids = rows[is_kept], ids[is_kept]
         return ids if given.is_one else np.stack([rows, ids])
 
@@ -187,15 +190,15 @@ class STRtree:
         result = found[1] if given.is_one else found
         return (result, distances) if return_distance else result
 
-    def _overlaps(self, boxes: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    def _overlaps(self, boxes: np.ndarray, threads: int) -> Tuple[np.ndarray, np.ndarray]:
         """The rows, and the geometries whose boxes overlap theirs. Both ascend."""
         if len(boxes) == 1:
-            ids = self._tree._tree.query_one(boxes[0], ALL_MASKS, True)
+            ids = self._tree._tree.query_one(boxes[0], _arrays.ALL_MASKS, True)
             if ids is None:  # of NaN
                 ids = np.empty(0, np.int64)
             return np.zeros(len(ids), np.int64), ids
         used = np.flatnonzero(~np.isnan(boxes).any(axis=1))
-        rows, ids = self._tree.query(boxes[used])
+        rows, ids = self._tree.query(boxes[used], threads=threads)
         # Both are below 2^31. A quarter of the time of np.lexsort().
         ordered = rows << 32 | ids
         ordered.sort()
@@ -210,7 +213,7 @@ class STRtree:
 
 def sjoin(left_df: Any, right_df: Any, how: str = "inner", predicate: Optional[str] = "intersects",
           lsuffix: str = "left", rsuffix: str = "right", distance: Any = None,
-          on_attribute: Any = None) -> Any:
+          on_attribute: Any = None, threads: Optional[int] = 1) -> Any:
     """Joins two GeoDataFrames where a predicate of their geometries holds.
 
     Parameters
@@ -220,7 +223,7 @@ def sjoin(left_df: Any, right_df: Any, how: str = "inner", predicate: Optional[s
         "left" also keeps the rows of `left_df` that join with none, and "right" those
         of `right_df`. Their missing values are NaN or None. The result has the
         geometries and the index of `left_df`, or with "right" of `right_df`.
-    predicate, distance
+    predicate, distance, threads
         As in `STRtree.query`, of the left and the right geometry.
     lsuffix, rsuffix : str
         Columns that both frames have become `name_left` and `name_right`. The index
@@ -240,11 +243,11 @@ def sjoin(left_df: Any, right_df: Any, how: str = "inner", predicate: Optional[s
         # The same pairs, with fewer prepared geometries.
         tree = STRtree(left_df.geometry)
         tree._names = ("right_df.geometry.iloc", "left_df.geometry.iloc")
-        right, left = tree.query(right_df.geometry, "contains", distance)
+        right, left = tree.query(right_df.geometry, "contains", distance, threads=threads)
     else:
         tree = STRtree(right_df.geometry)
         tree._names = ("left_df.geometry.iloc", "right_df.geometry.iloc")
-        left, right = tree.query(left_df.geometry, predicate, distance)
+        left, right = tree.query(left_df.geometry, predicate, distance, threads=threads)
     if on_attribute is not None:
         names = [on_attribute] if isinstance(on_attribute, str) else list(on_attribute)
         for name in names:
