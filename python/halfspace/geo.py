@@ -137,7 +137,8 @@ class STRtree:
             rows, ids = rows[is_kept], ids[is_kept]
         return ids if given.is_one else np.stack([rows, ids])
 
-    def nearest(self, geometry: Any) -> Union[None, int, np.ndarray]:
+    def nearest(self, geometry: Any, *,
+                threads: Optional[int] = 1) -> Union[None, int, np.ndarray]:
         """Returns the index of a nearest geometry of each given one.
 
         None if the tree has no geometry. Raises ValueError if a given one is None or
@@ -148,22 +149,22 @@ class STRtree:
         given = _halfspace.Geometries(geometry, "geometry")
         if np.isnan(given.bounds).any():
             raise ValueError("geometry: expected geometries that are not None and not empty")
-        ids = self._nearest(given, np.inf, False, False)[0][1]
+        ids = self._nearest(given, np.inf, False, False, threads)[0][1]
         return ids[0] if given.is_one else ids
 
     @overload
     def query_nearest(self, geometry: Any, max_distance: Optional[float] = ...,
                       return_distance: Literal[False] = ..., exclusive: bool = ...,
-                      all_matches: bool = ...) -> np.ndarray: ...
+                      all_matches: bool = ..., *, threads: Optional[int] = ...) -> np.ndarray: ...
 
     @overload
     def query_nearest(self, geometry: Any, max_distance: Optional[float] = ..., *,
-                      return_distance: Literal[True], exclusive: bool = ...,
-                      all_matches: bool = ...) -> Tuple[np.ndarray, np.ndarray]: ...
+                      return_distance: Literal[True], exclusive: bool = ..., all_matches: bool = ...,
+                      threads: Optional[int] = ...) -> Tuple[np.ndarray, np.ndarray]: ...
 
     def query_nearest(self, geometry: Any, max_distance: Optional[float] = None,
                       return_distance: bool = False, exclusive: bool = False,
-                      all_matches: bool = True) -> Any:
+                      all_matches: bool = True, *, threads: Optional[int] = 1) -> Any:
         """Finds the geometries that are nearest to each given one.
 
         Parameters
@@ -179,6 +180,8 @@ class STRtree:
             shapely 2, invalid ones with its box that GEOS cannot compare with it.
         all_matches : bool
             Returns all that are equally near, and not only the first of them.
+        threads : int or None
+            As in `query`. `nearest` has it, too.
 
         Returns indices as `query` does.
         """
@@ -186,7 +189,7 @@ class STRtree:
         _check_flag(exclusive, "exclusive")
         _check_flag(all_matches, "all_matches")
         given = _halfspace.Geometries(geometry, "geometry")
-        found, distances = self._nearest(given, limit, exclusive, all_matches)
+        found, distances = self._nearest(given, limit, exclusive, all_matches, threads)
         result = found[1] if given.is_one else found
         return (result, distances) if return_distance else result
 
@@ -204,11 +207,11 @@ class STRtree:
         ordered.sort()
         return used[rows], ordered & (2**32 - 1)
 
-    def _nearest(self, given: Any, limit: float, exclusive: bool,
-                 all_matches: bool) -> Tuple[np.ndarray, np.ndarray]:
+    def _nearest(self, given: Any, limit: float, exclusive: bool, all_matches: bool,
+                 threads: Optional[int]) -> Tuple[np.ndarray, np.ndarray]:
         """The rows and the nearest geometries up to the limit, and their distances."""
         return given.nearest(self._tree._tree, self._its, limit, exclusive, all_matches,
-                             self._names)
+                             self._names, _arrays.threads(threads))
 
 
 def sjoin(left_df: Any, right_df: Any, how: str = "inner", predicate: Optional[str] = "intersects",
@@ -263,18 +266,18 @@ def sjoin(left_df: Any, right_df: Any, how: str = "inner", predicate: Optional[s
 def sjoin_nearest(left_df: Any, right_df: Any, how: str = "inner",
                   max_distance: Optional[float] = None, lsuffix: str = "left",
                   rsuffix: str = "right", distance_col: Optional[str] = None,
-                  exclusive: bool = False) -> Any:
+                  exclusive: bool = False, threads: Optional[int] = 1) -> Any:
     """Joins each row of a GeoDataFrame with the nearest rows of another.
 
     Finds the nearest right rows of each left row, or with how="right" the nearest left
-    rows of each right row. All rows at the same distance are found. `max_distance` and
-    `exclusive` are those of `STRtree.query_nearest`. The column `distance_col`, if it is
-    not None, gets the distances. Everything else is as in `sjoin`.
+    rows of each right row. All rows at the same distance are found. `max_distance`,
+    `exclusive` and `threads` are those of `STRtree.query_nearest`. The column
+    `distance_col`, if it is not None, gets the distances. Everything else is as in `sjoin`.
     """
     _check_frames(left_df, right_df, how, lsuffix, rsuffix)
     its, other = (right_df, left_df) if how == "right" else (left_df, right_df)
     (rows, ids), distances = STRtree(other.geometry).query_nearest(
-        its.geometry, max_distance, return_distance=True, exclusive=exclusive
+        its.geometry, max_distance, return_distance=True, exclusive=exclusive, threads=threads
     )
     left, right = (ids, rows) if how == "right" else (rows, ids)
     return _joined(left_df, right_df, left, right, how, lsuffix, rsuffix, distances, distance_col)

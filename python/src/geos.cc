@@ -8,6 +8,7 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <limits>
 #include <memory>
 #include <span>
@@ -282,15 +283,18 @@ class Geometries {
     for (std::size_t i = 0; i < picked.size(); ++i) {
       picked[i] = geos.read != nullptr ? pointers_[at(i)] : Current(at(i));
     }
-    if (geos.read != nullptr || threads == 1) return picked;
-    const Context context;
-    std::vector<bool> is_stored(size());
-    for (std::size_t i = 0; i < picked.size(); ++i) {
-      if (is_stored[at(i)] || picked[i] == nullptr) continue;
-      is_stored[at(i)] = true;
-      ReadBox(context, picked[i], nullptr);
-    }
+    if (threads > 1) StoreBoxes();
     return picked;
+  }
+
+  // Before several threads use geometries, of which some can have changed.
+  void StoreBoxes() const {
+    if (geos.read != nullptr) return;
+    const Context context;
+    for (std::size_t i = 0; i < size(); ++i) {
+      const Geometry* const its = Current(i);
+      if (its != nullptr) ReadBox(context, its, nullptr);
+    }
   }
   std::size_t size() const { return pointers_.size(); }
   bool is_one() const { return is_one_; }
@@ -371,10 +375,9 @@ constexpr std::size_t kPartPairs = 4096;
 // Calls part(begin, end, of_thread) for all pairs. Each thread has an Of.
 template <typename Of, typename Part>
 void ForPairs(std::size_t count, Work& work, const Part& part) {
-  const std::size_t parts = PartsOf(count, kPartPairs);
   // Before the threads start: a new context resets a flag that all tests read.
-  std::vector<Of> of_threads(std::min(parts, work.threads()));
-  work.Run(parts, [&](std::size_t i, std::size_t thread) {
+  std::vector<Of> of_threads(work.threads());
+  work.Run(PartsOf(count, kPartPairs), [&](std::size_t i, std::size_t thread) {
     part(i * kPartPairs, std::min(count, (i + 1) * kPartPairs),
          of_threads[thread]);
   });
@@ -454,6 +457,7 @@ py::array_t<bool> Holds(const Geometries& given, const std::string& name,
   if (predicate == kPredicates.end() || Length(rows) != count) {
     ThrowNotPrepared();
   }
+  threads = std::min(threads, PartsOf(count, kPartPairs));
   py::array_t<bool> holds(Size(count));
   bool* const to = holds.mutable_data();
   const std::int64_t* const row = rows.data();
@@ -528,6 +532,7 @@ py::array_t<double> Distances(const Geometries& given, const Ids& rows,
   py::array_t<double> distances(ids.size());
   double* const to = distances.mutable_data();
   if (rows.size() != ids.size()) ThrowNotPrepared();
+  threads = std::min(threads, PartsOf(Length(ids), kPartPairs));
   const Pointers a = given.Pick(rows, threads);
   const Pointers b = its.Pick(ids, threads);
   const auto measure = [&](std::size_t begin, std::size_t end,
@@ -667,34 +672,49 @@ class NearestOf {
 // `all_matches` only the first of each row.
 py::tuple Nearest(const Geometries& given, const py::object& tree,
                   const Geometries& its, double limit, bool is_exclusive,
-                  bool all_matches, const py::tuple& names) {
+                  bool all_matches, const py::tuple& names,
+                  std::size_t threads) {
   const hs_bvh* const bvh = HandleOf(tree);
-  std::vector<std::size_t> rows;
-  std::vector<Near> found;
-  Decide(given, its, names, 1, [&](Work& work) {
-    NearestOf nearest(bvh, given, its, limit, is_exclusive);
-    constexpr std::size_t kInPart = 256;
-    work.Run(
-        PartsOf(given.size(), kInPart), [&](std::size_t part, std::size_t) {
-          const std::size_t end = std::min(given.size(), (part + 1) * kInPart);
-          for (std::size_t row = part * kInPart; row < end; ++row) {
-            const Box box = given.box(row);
-            const auto is_nan = [](double value) { return std::isnan(value); };
-            if (std::any_of(box.begin(), box.end(), is_nan)) continue;
-            for (const Near& each : nearest.Find(row, box)) {
-              rows.push_back(row);
-              found.push_back(each);
-              if (!all_matches) break;
-            }
-          }
-        });
+  constexpr std::size_t kInPart = 256;
+  const std::size_t parts = PartsOf(given.size(), kInPart);
+  threads = std::min(threads, parts);
+  std::vector<std::vector<std::pair<std::size_t, Near>>> lists(parts);
+  if (threads > 1) {
+    given.StoreBoxes();
+    its.StoreBoxes();
+  }
+  Decide(given, its, names, threads, [&](Work& work) {
+    // Each has a context: see ForPairs().
+    std::deque<NearestOf> of_threads;
+    while (of_threads.size() < threads) {
+      of_threads.emplace_back(bvh, given, its, limit, is_exclusive);
+    }
+    work.Run(parts, [&](std::size_t part, std::size_t thread) {
+      const std::size_t end = std::min(given.size(), (part + 1) * kInPart);
+      for (std::size_t row = part * kInPart; row < end; ++row) {
+        const Box box = given.box(row);
+        const auto is_nan = [](double value) { return std::isnan(value); };
+        if (std::any_of(box.begin(), box.end(), is_nan)) continue;
+        for (const Near& each : of_threads[thread].Find(row, box)) {
+          lists[part].emplace_back(row, each);
+          if (!all_matches) break;
+        }
+      }
+    });
   });
-  Ids ids(std::vector<std::size_t>{2, found.size()});
-  py::array_t<double> distances(Size(found.size()));
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    ids.mutable_data()[i] = static_cast<std::int64_t>(rows[i]);
-    ids.mutable_data()[found.size() + i] = found[i].id;
-    distances.mutable_data()[i] = found[i].distance;
+  std::size_t total = 0;
+  for (const auto& list : lists) total += list.size();
+  Ids ids(std::vector<std::size_t>{2, total});
+  py::array_t<double> distances(Size(total));
+  std::int64_t* to = ids.mutable_data();
+  double* distance = distances.mutable_data();
+  for (const auto& list : lists) {
+    for (const auto& [row, near] : list) {
+      to[0] = static_cast<std::int64_t>(row);
+      to[total] = near.id;
+      *distance++ = near.distance;
+      ++to;
+    }
   }
   return py::make_tuple(ids, distances);
 }

@@ -79,23 +79,28 @@ def test_query(predicate):
         assert TREE.query(a, predicate, **its).tolist() == [j for k, j in expected if k == i]
 
 
-# More pairs than one part has. Of collections, GEOS 3.11 cannot decide most predicates: the
+# More pairs and geometries than one part has. Of collections, GEOS 3.11 cannot decide most predicates: the
 # error names the first pair.
-@pytest.mark.parametrize("predicate", geo._PREDICATES)
+@pytest.mark.parametrize("predicate", ["nearest", *geo._PREDICATES])
 def test_threads_find_the_same(predicate):
     holed = [Polygon(box(i, 0, i + 4, 4).exterior, [box(i + 1, 1, i + 3, 3).exterior])
              for i in range(9)]
     many = [*some(300, 8), *holed, *(MultiPolygon([g, box(20, 20, 21, 21)]) for g in holed)]
-    distance = 0.5 if predicate == "dwithin" else None
+
+    def found(its, threads):
+        try:
+            if predicate == "nearest":
+                both = tree.query_nearest(its, None, True, True, threads=threads)
+                return [each.tolist() for each in both]
+            distance = 0.5 if predicate == "dwithin" else None
+            return tree.query(its, predicate, distance, threads=threads).tolist()
+        except ShapelyError as error:
+            return str(error)
+
     for its in (many, many + [GeometryCollection([g, Point(7, 7)]) for g in holed]):
-        tree, found = geo.STRtree(its), []
-        assert len(tree.query(its)[0]) > 3 * 4096
-        for threads in (1, 2, 4):
-            try:
-                found.append(tree.query(its, predicate, distance, threads=threads).tolist())
-            except ShapelyError as error:
-                found.append(str(error))
-        assert found[0] == found[1] == found[2]
+        tree = geo.STRtree(its)
+        assert len(tree.query(its)[0]) > 3 * 4096 and len(its) > 256
+        assert found(its, 1) == found(its, 2) == found(its, 4)
 
 
 @pytest.mark.parametrize("exclusive", [False, True])
