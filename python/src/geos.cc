@@ -90,7 +90,6 @@ struct Geos {
   Handle* (*init)();
   void (*finish)(Handle*);
   void (*on_error)(Handle*, void (*)(const char*, void*), void*);
-  char (*is_empty)(Handle*, const Geometry*);
   char (*is_valid)(Handle*, const Geometry*);
   char (*equals)(Handle*, const Geometry*, const Geometry*);
   int (*distance)(Handle*, const Geometry*, const Geometry*, double*);
@@ -127,7 +126,6 @@ void UseGeos(const py::function& address_of, const py::object& api,
   load(geos.init, "_init");
   load(geos.finish, "_finish");
   load(geos.on_error, "Context_setErrorMessageHandler");
-  load(geos.is_empty, "isEmpty");
   load(geos.is_valid, "isValid");
   load(geos.equals, "Equals");
   load(geos.distance, "Distance");
@@ -197,10 +195,11 @@ constexpr int kPolygon = 3;
 constexpr int kMultiPoint = 4;
 constexpr int kCollection = 7;
 
-// Reads the sides of the box. `box` can be null. GEOS 3.11 computes boxes and
-// numbers of dimensions on first use, and stores them in the geometry without a
-// lock. This makes it store all of them, also those of holes and parts, so that
-// threads only read the geometry. Call it with the interpreter's lock.
+// Reads the sides of the box. `box` can be null. Returns false if the geometry
+// is empty. GEOS 3.11 computes boxes and numbers of dimensions on first use,
+// and stores them in the geometry without a lock. This makes it store all of
+// them, also those of holes and parts, so that threads only read the geometry.
+// Call it with the interpreter's lock.
 bool ReadBox(const Context& context, const Geometry* its, double* box) {
   // Also stores the dimensions of holes and of parts.
   geos.dimension(context, its);
@@ -258,9 +257,8 @@ class Geometries {
     double* box = boxes_.mutable_data();
     const Context context;
     for (std::size_t i = 0; i < size(); ++i, box += 4) {
-      its = (*this)[i];
-      const bool is_there = its != nullptr && geos.is_empty(context, its) == 0;
-      if (!is_there || !ReadBox(context, its, box)) {
+      its = pointers_[i];
+      if (its == nullptr || !ReadBox(context, its, box)) {
         std::fill_n(box, 4, std::numeric_limits<double>::quiet_NaN());
       }
     }
