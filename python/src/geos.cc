@@ -463,9 +463,10 @@ py::array_t<bool> Holds(const Geometries& given, const std::string& name,
   const Pointers of_rows = given.Pick(rows, threads);
   const Pointers of_ids = its.Pick(ids, threads);
   Decide(given, its, names, threads, [&](Work& work) {
-    bool swaps = predicate->swapped == predicate->test
-                     ? IsSwapFaster(of_rows, of_ids, its.size())
-                     : predicate->swapped != nullptr;
+    bool swaps =
+        predicate->swapped == predicate->test
+            ? given.size() > 1 && IsSwapFaster(of_rows, of_ids, its.size())
+            : predicate->swapped != nullptr;
     swaps &= count <= 0xFFFFFFFF;  // for `order`
     const Geometries& first = swaps ? its : given;
     const Geometries& second = swaps ? given : its;
