@@ -281,18 +281,21 @@ class Geometries {
     for (std::size_t i = 0; i < picked.size(); ++i) {
       picked[i] = geos.read != nullptr ? pointers_[at(i)] : Current(at(i));
     }
-    if (threads > 1) StoreBoxes();
+    if (threads > 1) PickAll();
     return picked;
   }
 
-  // Before several threads use geometries, of which some can have changed.
-  void StoreBoxes() const {
-    if (geos.read != nullptr) return;
+  // All of them, of which some can have changed, before several threads use
+  // them.
+  Pointers PickAll() const {
+    if (geos.read != nullptr) return pointers_;
+    Pointers picked(size());
     const Context context;
     for (std::size_t i = 0; i < size(); ++i) {
-      const Geometry* const its = Current(i);
-      if (its != nullptr) ReadBox(context, its, nullptr);
+      picked[i] = Current(i);
+      if (picked[i] != nullptr) ReadBox(context, picked[i], nullptr);
     }
+    return picked;
   }
   std::size_t size() const { return pointers_.size(); }
   bool is_one() const { return is_one_; }
@@ -564,11 +567,16 @@ struct Near {
 // The nearest geometries to one.
 class NearestOf {
  public:
+  // `rows` and `objects` are all given geometries and all of the tree, or
+  // empty.
   NearestOf(const hs_bvh* tree, const Geometries& given, const Geometries& its,
-            double limit, bool is_exclusive)
+            const Pointers& rows, const Pointers& objects, double limit,
+            bool is_exclusive)
       : tree_(tree),
         given_(given),
         its_(its),
+        rows_(rows),
+        objects_(objects),
         limit_(limit),
         is_exclusive_(is_exclusive) {
     Check(hs_bvh_size(tree, &size_));
@@ -632,8 +640,8 @@ class NearestOf {
   }
 
   void Add(std::size_t row, std::uint32_t id) {
-    const Geometry* const a = given_[row];
-    const Geometry* const b = its_[id];
+    const Geometry* const a = rows_.empty() ? given_[row] : rows_[row];
+    const Geometry* const b = rows_.empty() ? its_[id] : objects_[id];
     const double distance = DistanceOf(context_, a, b, row, id);
     if (!(distance <= best_) || distance == HUGE_VAL) return;
     // GEOS compares the boxes first. Those that it cannot compare are equal.
@@ -657,6 +665,8 @@ class NearestOf {
   const hs_bvh* tree_;
   const Geometries& given_;
   const Geometries& its_;
+  const Pointers& rows_;
+  const Pointers& objects_;
   double limit_;
   bool is_exclusive_;
   std::size_t size_ = 0;
@@ -678,15 +688,18 @@ py::tuple Nearest(const Geometries& given, const py::object& tree,
   const std::size_t parts = PartsOf(given.size(), kInPart);
   threads = std::min(threads, parts);
   std::vector<std::vector<std::pair<std::size_t, Near>>> lists(parts);
+  // One thread reads only those that it needs.
+  Pointers a;
+  Pointers b;
   if (threads > 1) {
-    given.StoreBoxes();
-    its.StoreBoxes();
+    a = given.PickAll();
+    b = its.PickAll();
   }
   Decide(given, its, names, threads, [&](Work& work) {
     // Each has a context: see ForPairs().
     std::deque<NearestOf> of_threads;
     while (of_threads.size() < threads) {
-      of_threads.emplace_back(bvh, given, its, limit, is_exclusive);
+      of_threads.emplace_back(bvh, given, its, a, b, limit, is_exclusive);
     }
     work.Run(parts, [&](std::size_t part, std::size_t thread) {
       const std::size_t end = std::min(given.size(), (part + 1) * kInPart);
