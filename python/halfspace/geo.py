@@ -19,8 +19,7 @@ import shapely  # type: ignore
 from shapely.errors import TopologicalError  # type: ignore
 from shapely.geometry.base import BaseGeometry  # type: ignore
 
-from . import _halfspace
-from ._arrays import ALL_MASKS
+from . import _arrays, _halfspace
 from ._bvh import BVH
 
 __all__ = ["STRtree", "sjoin", "sjoin_nearest"]
@@ -91,8 +90,8 @@ class STRtree:
         """The geometries, in the order of the indices that calls return."""
         return self._geometries
 
-    def query(self, geometry: Any, predicate: Optional[str] = None,
-              distance: Any = None) -> np.ndarray:
+    def query(self, geometry: Any, predicate: Optional[str] = None, distance: Any = None, *,
+              threads: Optional[int] = 1) -> np.ndarray:
         """Finds the geometries whose boxes overlap those of the given ones.
 
         Parameters
@@ -105,6 +104,9 @@ class STRtree:
             geometries for which `predicate(geometry, its geometry)` holds.
         distance : float or sequence of floats, one for each geometry
             Of "dwithin", and only of this: finds what is at most so far away.
+        threads : int or None
+            The number of threads for boxes and predicates, as in `BVH`. Geometries of
+            shapely 1.8 must not change during a call.
 
         Returns
         -------
@@ -124,17 +126,19 @@ class STRtree:
         if predicate == "dwithin":
             limits = _limits(distance, len(given))
             boxes = _grown(boxes, np.where(limits >= 0, limits, np.nan))
-        rows, ids = self._overlaps(boxes)
+        count = _arrays.threads(threads)
+        rows, ids = self._overlaps(boxes, count)
         if predicate is not None:
             if predicate == "dwithin":
-                far = given.distances(rows, self._its, ids, self._names)
+                far = given.distances(rows, self._its, ids, self._names, count)
                 is_kept = far <= limits[rows]
             else:
-                is_kept = given.hold(predicate, rows, self._its, ids, self._names)
+                is_kept = given.hold(predicate, rows, self._its, ids, self._names, count)
             rows, ids = rows[is_kept], ids[is_kept]
         return ids if given.is_one else np.stack([rows, ids])
 
-    def nearest(self, geometry: Any) -> Union[None, int, np.ndarray]:
+    def nearest(self, geometry: Any, *,
+                threads: Optional[int] = 1) -> Union[None, int, np.ndarray]:
         """Returns the index of a nearest geometry of each given one.
 
         None if the tree has no geometry. Raises ValueError if a given one is None or
@@ -145,22 +149,22 @@ class STRtree:
         given = _halfspace.Geometries(geometry, "geometry")
         if np.isnan(given.bounds).any():
             raise ValueError("geometry: expected geometries that are not None and not empty")
-        ids = self._nearest(given, np.inf, False, False)[0][1]
+        ids = self._nearest(given, np.inf, False, False, threads)[0][1]
         return ids[0] if given.is_one else ids
 
     @overload
     def query_nearest(self, geometry: Any, max_distance: Optional[float] = ...,
                       return_distance: Literal[False] = ..., exclusive: bool = ...,
-                      all_matches: bool = ...) -> np.ndarray: ...
+                      all_matches: bool = ..., *, threads: Optional[int] = ...) -> np.ndarray: ...
 
     @overload
     def query_nearest(self, geometry: Any, max_distance: Optional[float] = ..., *,
-                      return_distance: Literal[True], exclusive: bool = ...,
-                      all_matches: bool = ...) -> Tuple[np.ndarray, np.ndarray]: ...
+                      return_distance: Literal[True], exclusive: bool = ..., all_matches: bool = ...,
+                      threads: Optional[int] = ...) -> Tuple[np.ndarray, np.ndarray]: ...
 
     def query_nearest(self, geometry: Any, max_distance: Optional[float] = None,
                       return_distance: bool = False, exclusive: bool = False,
-                      all_matches: bool = True) -> Any:
+                      all_matches: bool = True, *, threads: Optional[int] = 1) -> Any:
         """Finds the geometries that are nearest to each given one.
 
         Parameters
@@ -176,6 +180,8 @@ class STRtree:
             shapely 2, invalid ones with its box that GEOS cannot compare with it.
         all_matches : bool
             Returns all that are equally near, and not only the first of them.
+        threads : int or None
+            As in `query`. `nearest` has it, too.
 
         Returns indices as `query` does.
         """
@@ -183,34 +189,34 @@ class STRtree:
         _check_flag(exclusive, "exclusive")
         _check_flag(all_matches, "all_matches")
         given = _halfspace.Geometries(geometry, "geometry")
-        found, distances = self._nearest(given, limit, exclusive, all_matches)
+        found, distances = self._nearest(given, limit, exclusive, all_matches, threads)
         result = found[1] if given.is_one else found
         return (result, distances) if return_distance else result
 
-    def _overlaps(self, boxes: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    def _overlaps(self, boxes: np.ndarray, threads: int) -> Tuple[np.ndarray, np.ndarray]:
         """The rows, and the geometries whose boxes overlap theirs. Both ascend."""
         if len(boxes) == 1:
-            ids = self._tree._tree.query_one(boxes[0], ALL_MASKS, True)
+            ids = self._tree._tree.query_one(boxes[0], _arrays.ALL_MASKS, True)
             if ids is None:  # of NaN
                 ids = np.empty(0, np.int64)
             return np.zeros(len(ids), np.int64), ids
         used = np.flatnonzero(~np.isnan(boxes).any(axis=1))
-        rows, ids = self._tree.query(boxes[used])
+        rows, ids = self._tree.query(boxes[used], threads=threads)
         # Both are below 2^31. A quarter of the time of np.lexsort().
         ordered = rows << 32 | ids
         ordered.sort()
         return used[rows], ordered & (2**32 - 1)
 
-    def _nearest(self, given: Any, limit: float, exclusive: bool,
-                 all_matches: bool) -> Tuple[np.ndarray, np.ndarray]:
+    def _nearest(self, given: Any, limit: float, exclusive: bool, all_matches: bool,
+                 threads: Optional[int]) -> Tuple[np.ndarray, np.ndarray]:
         """The rows and the nearest geometries up to the limit, and their distances."""
         return given.nearest(self._tree._tree, self._its, limit, exclusive, all_matches,
-                             self._names)
+                             self._names, _arrays.threads(threads))
 
 
 def sjoin(left_df: Any, right_df: Any, how: str = "inner", predicate: Optional[str] = "intersects",
           lsuffix: str = "left", rsuffix: str = "right", distance: Any = None,
-          on_attribute: Any = None) -> Any:
+          on_attribute: Any = None, threads: Optional[int] = 1) -> Any:
     """Joins two GeoDataFrames where a predicate of their geometries holds.
 
     Parameters
@@ -220,7 +226,7 @@ def sjoin(left_df: Any, right_df: Any, how: str = "inner", predicate: Optional[s
         "left" also keeps the rows of `left_df` that join with none, and "right" those
         of `right_df`. Their missing values are NaN or None. The result has the
         geometries and the index of `left_df`, or with "right" of `right_df`.
-    predicate, distance
+    predicate, distance, threads
         As in `STRtree.query`, of the left and the right geometry.
     lsuffix, rsuffix : str
         Columns that both frames have become `name_left` and `name_right`. The index
@@ -240,11 +246,11 @@ def sjoin(left_df: Any, right_df: Any, how: str = "inner", predicate: Optional[s
         # The same pairs, with fewer prepared geometries.
         tree = STRtree(left_df.geometry)
         tree._names = ("right_df.geometry.iloc", "left_df.geometry.iloc")
-        right, left = tree.query(right_df.geometry, "contains", distance)
+        right, left = tree.query(right_df.geometry, "contains", distance, threads=threads)
     else:
         tree = STRtree(right_df.geometry)
         tree._names = ("left_df.geometry.iloc", "right_df.geometry.iloc")
-        left, right = tree.query(left_df.geometry, predicate, distance)
+        left, right = tree.query(left_df.geometry, predicate, distance, threads=threads)
     if on_attribute is not None:
         names = [on_attribute] if isinstance(on_attribute, str) else list(on_attribute)
         for name in names:
@@ -260,18 +266,18 @@ def sjoin(left_df: Any, right_df: Any, how: str = "inner", predicate: Optional[s
 def sjoin_nearest(left_df: Any, right_df: Any, how: str = "inner",
                   max_distance: Optional[float] = None, lsuffix: str = "left",
                   rsuffix: str = "right", distance_col: Optional[str] = None,
-                  exclusive: bool = False) -> Any:
+                  exclusive: bool = False, threads: Optional[int] = 1) -> Any:
     """Joins each row of a GeoDataFrame with the nearest rows of another.
 
     Finds the nearest right rows of each left row, or with how="right" the nearest left
-    rows of each right row. All rows at the same distance are found. `max_distance` and
-    `exclusive` are those of `STRtree.query_nearest`. The column `distance_col`, if it is
-    not None, gets the distances. Everything else is as in `sjoin`.
+    rows of each right row. All rows at the same distance are found. `max_distance`,
+    `exclusive` and `threads` are those of `STRtree.query_nearest`. The column
+    `distance_col`, if it is not None, gets the distances. Everything else is as in `sjoin`.
     """
     _check_frames(left_df, right_df, how, lsuffix, rsuffix)
     its, other = (right_df, left_df) if how == "right" else (left_df, right_df)
     (rows, ids), distances = STRtree(other.geometry).query_nearest(
-        its.geometry, max_distance, return_distance=True, exclusive=exclusive
+        its.geometry, max_distance, return_distance=True, exclusive=exclusive, threads=threads
     )
     left, right = (ids, rows) if how == "right" else (rows, ids)
     return _joined(left_df, right_df, left, right, how, lsuffix, rsuffix, distances, distance_col)

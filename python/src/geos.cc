@@ -8,6 +8,7 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <limits>
 #include <memory>
 #include <span>
@@ -89,14 +90,17 @@ struct Geos {
   Handle* (*init)();
   void (*finish)(Handle*);
   void (*on_error)(Handle*, void (*)(const char*, void*), void*);
-  char (*is_empty)(Handle*, const Geometry*);
   char (*is_valid)(Handle*, const Geometry*);
   char (*equals)(Handle*, const Geometry*, const Geometry*);
   int (*distance)(Handle*, const Geometry*, const Geometry*, double*);
   std::array<int (*)(Handle*, const Geometry*, double*), 4> sides;
   int (*coordinates)(Handle*, const Geometry*);
+  int (*dimension)(Handle*, const Geometry*);
   int (*type)(Handle*, const Geometry*);
+  int (*parts)(Handle*, const Geometry*);
+  const Geometry* (*part)(Handle*, const Geometry*, int);
   int (*holes)(Handle*, const Geometry*);
+  const Geometry* (*hole)(Handle*, const Geometry*, int);
   const Geometry* (*ring)(Handle*, const Geometry*);
   const Sequence* (*sequence)(Handle*, const Geometry*);
   int (*x)(Handle*, const Sequence*, unsigned, double*);
@@ -122,7 +126,6 @@ void UseGeos(const py::function& address_of, const py::object& api,
   load(geos.init, "_init");
   load(geos.finish, "_finish");
   load(geos.on_error, "Context_setErrorMessageHandler");
-  load(geos.is_empty, "isEmpty");
   load(geos.is_valid, "isValid");
   load(geos.equals, "Equals");
   load(geos.distance, "Distance");
@@ -131,8 +134,12 @@ void UseGeos(const py::function& address_of, const py::object& api,
     load(geos.sides[i], std::string("Geom_get") + kSides[i]);
   }
   load(geos.coordinates, "GetNumCoordinates");
+  load(geos.dimension, "Geom_getCoordinateDimension");
   load(geos.type, "GeomTypeId");
+  load(geos.parts, "GetNumGeometries");
+  load(geos.part, "GetGeometryN");
   load(geos.holes, "GetNumInteriorRings");
+  load(geos.hole, "GetInteriorRingN");
   load(geos.ring, "GetExteriorRing");
   load(geos.sequence, "Geom_getCoordSeq");
   load(geos.x, "CoordSeq_getX");
@@ -182,8 +189,43 @@ class Context {
   std::string reason_;
 };
 
+// Types of GEOS.
+constexpr int kPoint = 0;
+constexpr int kPolygon = 3;
+constexpr int kMultiPoint = 4;
+constexpr int kCollection = 7;
+
+// Reads the sides of the box. `box` can be null. Returns false if the geometry
+// is empty. GEOS 3.11 computes boxes and numbers of dimensions on first use,
+// and stores them in the geometry without a lock. This makes it store all of
+// them, also those of holes and parts, so that threads only read the geometry.
+// Call it with the interpreter's lock.
+bool ReadBox(const Context& context, const Geometry* its, double* box) {
+  // Also stores the dimensions of holes and of parts.
+  geos.dimension(context, its);
+  const int type = geos.type(context, its);
+  const int holes = type == kPolygon ? geos.holes(context, its) : 0;
+  double side = 0;
+  for (int i = 0; i < holes; ++i) {
+    geos.sides[0](context, geos.hole(context, its, i), &side);
+  }
+  const bool has_parts = type >= kMultiPoint && type <= kCollection;
+  const int parts = has_parts ? geos.parts(context, its) : 0;
+  for (int i = 0; i < parts; ++i) {
+    ReadBox(context, geos.part(context, its, i), nullptr);
+  }
+  bool has_box = true;
+  for (std::size_t k = 0; k < 4; ++k) {
+    has_box &= geos.sides[k](context, its, box ? &box[k] : &side) != 0;
+  }
+  return has_box;
+}
+
+// The geometries of pairs.
+using Pointers = std::vector<const Geometry*>;
+
 // The geometries of an argument. Those of shapely 2 do not change. Those of
-// shapely 1.8 can, so their addresses are read at each use.
+// shapely 1.8 can, so each call reads their addresses again.
 class Geometries {
  public:
   // A geometry, or an iterable of them. Some are None.
@@ -211,29 +253,49 @@ class Geometries {
                            "]: expected a geometry or None, got " +
                            py::repr(item).cast<std::string>());
     }
-    // With the interpreter's lock: GEOS stores boxes in geometries.
     boxes_ = py::array_t<double>(std::vector<std::size_t>{size(), 4});
     double* box = boxes_.mutable_data();
     const Context context;
     for (std::size_t i = 0; i < size(); ++i, box += 4) {
-      its = (*this)[i];
-      const bool is_there = its != nullptr && geos.is_empty(context, its) == 0;
-      for (std::size_t k = 0; k < 4; ++k) {
-        if (!is_there || geos.sides[k](context, its, &box[k]) == 0) {
-          box[k] = std::numeric_limits<double>::quiet_NaN();
-        }
+      its = pointers_[i];
+      if (its == nullptr || !ReadBox(context, its, box)) {
+        std::fill_n(box, 4, std::numeric_limits<double>::quiet_NaN());
       }
     }
   }
 
   // Null if it is not there.
-  const Geometry* operator[](std::uint64_t at) const {
-    const auto i = static_cast<std::size_t>(at);
+  const Geometry* operator[](std::size_t i) const {
     if (geos.read != nullptr) return pointers_[i];
     const py::gil_scoped_acquire acquire;
-    const Geometry* its = nullptr;
-    Read(PyList_GET_ITEM(items_.ptr(), Size(i)), its);
-    return its;
+    return Current(i);
+  }
+
+  // The geometries of pairs, which `threads` threads can read. Call it with the
+  // interpreter's lock.
+  Pointers Pick(const Ids& ids, std::size_t threads) const {
+    const auto at = [&ids](std::size_t i) {
+      return static_cast<std::size_t>(ids.data()[i]);
+    };
+    Pointers picked(Length(ids));
+    for (std::size_t i = 0; i < picked.size(); ++i) {
+      picked[i] = geos.read != nullptr ? pointers_[at(i)] : Current(at(i));
+    }
+    if (threads > 1) PickAll();
+    return picked;
+  }
+
+  // All of them, of which some can have changed, before several threads use
+  // them.
+  Pointers PickAll() const {
+    if (geos.read != nullptr) return pointers_;
+    Pointers picked(size());
+    const Context context;
+    for (std::size_t i = 0; i < size(); ++i) {
+      picked[i] = Current(i);
+      if (picked[i] != nullptr) ReadBox(context, picked[i], nullptr);
+    }
+    return picked;
   }
   std::size_t size() const { return pointers_.size(); }
   bool is_one() const { return is_one_; }
@@ -254,6 +316,12 @@ class Geometries {
   Box box(std::size_t i) const { return Box(boxes_.data() + 4 * i, 4); }
 
  private:
+  const Geometry* Current(std::size_t i) const {
+    const Geometry* its = nullptr;
+    Read(PyList_GET_ITEM(items_.ptr(), Size(i)), its);
+    return its;
+  }
+
   // Returns false if the object is not a geometry or None.
   static bool Read(PyObject* object, const Geometry*& its) {
     if (geos.read != nullptr) return geos.read(object, &its) != 0;
@@ -274,14 +342,15 @@ class Geometries {
   bool is_one_ = false;
 };
 
-// Calls run(), which has no lock of the interpreter. An error of GEOS names
+// Calls run(work), which has no lock of the interpreter. An error of GEOS names
 // the invalid geometries of its pair, or both.
 template <typename Run>
 void Decide(const Geometries& given, const Geometries& its,
-            const py::tuple& names, const Run& run) {
+            const py::tuple& names, std::size_t threads, const Run& run) {
+  Work work(threads, py::none());
   try {
     const py::gil_scoped_release release;
-    run();
+    run(work);
   } catch (const Undecided& error) {
     const Context context;
     const std::array pair{given[error.row], its[error.id]};
@@ -304,19 +373,32 @@ void Decide(const Geometries& given, const Geometries& its,
 // Pairs of one part: few enough that Ctrl-C is seen soon.
 constexpr std::size_t kPartPairs = 4096;
 
-// Calls part(begin, end) for all pairs.
-template <typename Part>
-void ForPairs(std::size_t count, const Part& part) {
-  Work work(1, py::none());
-  work.Run(PartsOf(count, kPartPairs), [&](std::size_t i, std::size_t) {
-    part(i * kPartPairs, std::min(count, (i + 1) * kPartPairs));
+// Calls part(begin, end, of_thread) for all pairs. Each thread has an Of.
+template <typename Of, typename Part>
+void ForPairs(std::size_t count, Work& work, const Part& part) {
+  // Before the threads start: a new context resets a flag that all tests read.
+  std::vector<Of> of_threads(work.threads());
+  work.Run(PartsOf(count, kPartPairs), [&](std::size_t i, std::size_t thread) {
+    part(i * kPartPairs, std::min(count, (i + 1) * kPartPairs),
+         of_threads[thread]);
   });
 }
 
+// The last prepared geometry of a thread. GEOS adds indices to it during tests.
+struct Last {
+  struct Destroy {
+    void operator()(const Prepared* its) const { geos.destroy(context, its); }
+    Handle* context;
+  };
+
+  Context context;
+  const Geometry* geometry = nullptr;
+  bool is_box = false;
+  std::unique_ptr<const Prepared, Destroy> prepared{nullptr, Destroy{context}};
+};
+
 // Whether a geometry is a point, or a rectangle with sides along the axes.
 bool IsBox(const Context& context, const Geometry* its, Box box) {
-  constexpr int kPoint = 0;
-  constexpr int kPolygon = 3;
   for (const double value : box) {
     if (!std::isfinite(value)) return false;
   }
@@ -343,34 +425,32 @@ bool IsBox(const Context& context, const Geometry* its, Box box) {
 
 // Whether the pairs intersect faster with the second of each prepared: to
 // prepare a geometry reads its vertices, and a test those of the other one.
-bool IsSwapFaster(const Geometries& given, const std::int64_t* row,
-                  const Geometries& its, const std::int64_t* id,
-                  std::size_t count) {
+bool IsSwapFaster(const Pointers& a, const Pointers& b, std::size_t size_b) {
   const Context context;
-  constexpr int kCollection = 7;
+  const std::size_t count = a.size();
   std::size_t rows = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    if (i > 0 && row[i] == row[i - 1]) continue;
+    if (i > 0 && a[i] == a[i - 1]) continue;
     ++rows;
     // A prepared line misses some parts of it (GEOS 3.11).
-    if (geos.type(context, given[row[i]]) == kCollection) return false;
+    if (geos.type(context, a[i]) == kCollection) return false;
   }
-  double a = 0;
-  double b = 0;
+  double of_a = 0;
+  double of_b = 0;
   for (std::size_t i = 0; i < count; i += count / 1024 + 1) {
-    a += geos.coordinates(context, given[row[i]]);
-    b += geos.coordinates(context, its[id[i]]);
+    of_a += geos.coordinates(context, a[i]);
+    of_b += geos.coordinates(context, b[i]);
   }
   const auto tests = static_cast<double>(count);
-  return b * std::min(tests, static_cast<double>(its.size())) + a * tests <
-         a * static_cast<double>(rows) + b * tests;
+  return of_b * std::min(tests, static_cast<double>(size_b)) + of_a * tests <
+         of_a * static_cast<double>(rows) + of_b * tests;
 }
 
 // Returns for each pair whether the predicate holds. The rows ascend, and the
 // boxes of a pair overlap.
 py::array_t<bool> Holds(const Geometries& given, const std::string& name,
                         const Ids& rows, const Geometries& its, const Ids& ids,
-                        const py::tuple& names) {
+                        const py::tuple& names, std::size_t threads) {
   const auto predicate =
       std::find_if(kPredicates.begin(), kPredicates.end(),
                    [&](const Predicate& each) { return name == each.name; });
@@ -378,17 +458,23 @@ py::array_t<bool> Holds(const Geometries& given, const std::string& name,
   if (predicate == kPredicates.end() || Length(rows) != count) {
     ThrowNotPrepared();
   }
+  threads = std::min(threads, PartsOf(count, kPartPairs));
   py::array_t<bool> holds(Size(count));
   bool* const to = holds.mutable_data();
   const std::int64_t* const row = rows.data();
   const std::int64_t* const id = ids.data();
-  Decide(given, its, names, [&] {
-    bool swaps = predicate->swapped == predicate->test
-                     ? IsSwapFaster(given, row, its, id, count)
-                     : predicate->swapped != nullptr;
+  const Pointers of_rows = given.Pick(rows, threads);
+  const Pointers of_ids = its.Pick(ids, threads);
+  Decide(given, its, names, threads, [&](Work& work) {
+    bool swaps =
+        predicate->swapped == predicate->test
+            ? given.size() > 1 && IsSwapFaster(of_rows, of_ids, its.size())
+            : predicate->swapped != nullptr;
     swaps &= count <= 0xFFFFFFFF;  // for `order`
     const Geometries& first = swaps ? its : given;
     const Geometries& second = swaps ? given : its;
+    const Pointers& firsts = swaps ? of_ids : of_rows;
+    const Pointers& seconds = swaps ? of_rows : of_ids;
     const std::int64_t* const key = swaps ? id : row;
     const std::int64_t* const other = swaps ? row : id;
     const PreparedTest& test = swaps ? *predicate->swapped : *predicate->test;
@@ -398,52 +484,44 @@ py::array_t<bool> Holds(const Geometries& given, const std::string& name,
       order[i] = static_cast<std::uint64_t>(key[i]) << 32 | i;
     }
     std::sort(order.begin(), order.end());
-    ForPairs(count, [&](std::size_t begin, std::size_t end) {
-      const Context context;
-      const auto destroy = [&context](const Prepared* prepared) {
-        geos.destroy(context, prepared);
-      };
-      std::unique_ptr<const Prepared, decltype(destroy)> prepared(nullptr,
-                                                                  destroy);
-      const Geometry* last = nullptr;
-      bool is_box = false;
+    const auto decide = [&](std::size_t begin, std::size_t end, Last& last) {
+      const Context& context = last.context;
       for (std::size_t at = begin; at < end; ++at) {
         const std::size_t i = swaps ? order[at] & 0xffffffff : at;
-        const auto place = static_cast<std::size_t>(key[i]);
-        const auto its_other = static_cast<std::size_t>(other[i]);
-        const Box box_a = first.box(place);
-        const Box box_b = second.box(its_other);
+        const Box box_a = first.box(static_cast<std::size_t>(key[i]));
+        const Box box_b = second.box(static_cast<std::size_t>(other[i]));
         to[i] = false;
         if (test.needs_inside && !IsInside(box_b, box_a)) continue;
-        const Geometry* const a = first[place];
-        const Geometry* const b = second[its_other];
-        if (a != last) {
-          last = a;
-          prepared.reset();
-          is_box = test.of_boxes != nullptr && IsBox(context, a, box_a);
+        const Geometry* const a = firsts[i];
+        const Geometry* const b = seconds[i];
+        if (a != last.geometry) {
+          last.geometry = a;
+          last.prepared.reset();
+          last.is_box = test.of_boxes != nullptr && IsBox(context, a, box_a);
         }
-        if (is_box && IsBox(context, b, box_b)) {
+        if (last.is_box && IsBox(context, b, box_b)) {
           to[i] = test.of_boxes(box_a, box_b);
           continue;
         }
-        if (!prepared) prepared.reset(geos.prepare(context, a));
+        if (!last.prepared) last.prepared.reset(geos.prepare(context, a));
         const char result =
-            prepared ? test.test(context, prepared.get(), b) : 2;
+            last.prepared ? test.test(context, last.prepared.get(), b) : 2;
         if (result != 0 && result != 1) {
           throw Undecided{static_cast<std::size_t>(row[i]),
                           static_cast<std::size_t>(id[i]), context.reason()};
         }
         to[i] = result == 1;
       }
-    });
+    };
+    ForPairs<Last>(count, work, decide);
   });
   return holds;
 }
 
-double DistanceOf(const Context& context, const Geometries& given,
-                  std::size_t row, const Geometries& its, std::size_t id) {
+double DistanceOf(const Context& context, const Geometry* a, const Geometry* b,
+                  std::size_t row, std::size_t id) {
   double distance = 0;
-  if (geos.distance(context, given[row], its[id], &distance) == 0) {
+  if (geos.distance(context, a, b, &distance) == 0) {
     throw Undecided{row, id, context.reason()};
   }
   return distance;
@@ -452,20 +530,23 @@ double DistanceOf(const Context& context, const Geometries& given,
 // The distances of pairs.
 py::array_t<double> Distances(const Geometries& given, const Ids& rows,
                               const Geometries& its, const Ids& ids,
-                              const py::tuple& names) {
+                              const py::tuple& names, std::size_t threads) {
   py::array_t<double> distances(ids.size());
   double* const to = distances.mutable_data();
   if (rows.size() != ids.size()) ThrowNotPrepared();
-  Decide(given, its, names, [&] {
-    ForPairs(Length(ids), [&](std::size_t begin, std::size_t end) {
-      const Context context;
-      for (std::size_t i = begin; i < end; ++i) {
-        const auto row = static_cast<std::size_t>(rows.data()[i]);
-        const auto id = static_cast<std::size_t>(ids.data()[i]);
-        to[i] = DistanceOf(context, given, row, its, id);
-      }
-    });
-  });
+  threads = std::min(threads, PartsOf(Length(ids), kPartPairs));
+  const Pointers a = given.Pick(rows, threads);
+  const Pointers b = its.Pick(ids, threads);
+  const auto measure = [&](std::size_t begin, std::size_t end,
+                           const Context& context) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto row = static_cast<std::size_t>(rows.data()[i]);
+      const auto id = static_cast<std::size_t>(ids.data()[i]);
+      to[i] = DistanceOf(context, a[i], b[i], row, id);
+    }
+  };
+  Decide(given, its, names, threads,
+         [&](Work& work) { ForPairs<Context>(a.size(), work, measure); });
   return distances;
 }
 
@@ -486,11 +567,16 @@ struct Near {
 // The nearest geometries to one.
 class NearestOf {
  public:
+  // `rows` and `objects` are all given geometries and all of the tree, or
+  // empty.
   NearestOf(const hs_bvh* tree, const Geometries& given, const Geometries& its,
-            double limit, bool is_exclusive)
+            const Pointers& rows, const Pointers& objects, double limit,
+            bool is_exclusive)
       : tree_(tree),
         given_(given),
         its_(its),
+        rows_(rows),
+        objects_(objects),
         limit_(limit),
         is_exclusive_(is_exclusive) {
     Check(hs_bvh_size(tree, &size_));
@@ -554,11 +640,12 @@ class NearestOf {
   }
 
   void Add(std::size_t row, std::uint32_t id) {
-    const double distance = DistanceOf(context_, given_, row, its_, id);
+    const Geometry* const a = rows_.empty() ? given_[row] : rows_[row];
+    const Geometry* const b = rows_.empty() ? its_[id] : objects_[id];
+    const double distance = DistanceOf(context_, a, b, row, id);
     if (!(distance <= best_) || distance == HUGE_VAL) return;
     // GEOS compares the boxes first. Those that it cannot compare are equal.
-    if (is_exclusive_ && distance == 0 &&
-        geos.equals(context_, given_[row], its_[id]) != 0) {
+    if (is_exclusive_ && distance == 0 && geos.equals(context_, a, b) != 0) {
       return;
     }
     best_ = distance;
@@ -578,6 +665,8 @@ class NearestOf {
   const hs_bvh* tree_;
   const Geometries& given_;
   const Geometries& its_;
+  const Pointers& rows_;
+  const Pointers& objects_;
   double limit_;
   bool is_exclusive_;
   std::size_t size_ = 0;
@@ -592,35 +681,52 @@ class NearestOf {
 // `all_matches` only the first of each row.
 py::tuple Nearest(const Geometries& given, const py::object& tree,
                   const Geometries& its, double limit, bool is_exclusive,
-                  bool all_matches, const py::tuple& names) {
+                  bool all_matches, const py::tuple& names,
+                  std::size_t threads) {
   const hs_bvh* const bvh = HandleOf(tree);
-  std::vector<std::size_t> rows;
-  std::vector<Near> found;
-  Decide(given, its, names, [&] {
-    Work work(1, py::none());
-    NearestOf nearest(bvh, given, its, limit, is_exclusive);
-    constexpr std::size_t kInPart = 256;
-    work.Run(
-        PartsOf(given.size(), kInPart), [&](std::size_t part, std::size_t) {
-          const std::size_t end = std::min(given.size(), (part + 1) * kInPart);
-          for (std::size_t row = part * kInPart; row < end; ++row) {
-            const Box box = given.box(row);
-            const auto is_nan = [](double value) { return std::isnan(value); };
-            if (std::any_of(box.begin(), box.end(), is_nan)) continue;
-            for (const Near& each : nearest.Find(row, box)) {
-              rows.push_back(row);
-              found.push_back(each);
-              if (!all_matches) break;
-            }
-          }
-        });
+  constexpr std::size_t kInPart = 256;
+  const std::size_t parts = PartsOf(given.size(), kInPart);
+  threads = std::min(threads, parts);
+  std::vector<std::vector<std::pair<std::size_t, Near>>> lists(parts);
+  // One thread reads only those that it needs.
+  Pointers a;
+  Pointers b;
+  if (threads > 1) {
+    a = given.PickAll();
+    b = its.PickAll();
+  }
+  Decide(given, its, names, threads, [&](Work& work) {
+    // Each has a context: see ForPairs().
+    std::deque<NearestOf> of_threads;
+    while (of_threads.size() < threads) {
+      of_threads.emplace_back(bvh, given, its, a, b, limit, is_exclusive);
+    }
+    work.Run(parts, [&](std::size_t part, std::size_t thread) {
+      const std::size_t end = std::min(given.size(), (part + 1) * kInPart);
+      for (std::size_t row = part * kInPart; row < end; ++row) {
+        const Box box = given.box(row);
+        const auto is_nan = [](double value) { return std::isnan(value); };
+        if (std::any_of(box.begin(), box.end(), is_nan)) continue;
+        for (const Near& each : of_threads[thread].Find(row, box)) {
+          lists[part].emplace_back(row, each);
+          if (!all_matches) break;
+        }
+      }
+    });
   });
-  Ids ids(std::vector<std::size_t>{2, found.size()});
-  py::array_t<double> distances(Size(found.size()));
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    ids.mutable_data()[i] = static_cast<std::int64_t>(rows[i]);
-    ids.mutable_data()[found.size() + i] = found[i].id;
-    distances.mutable_data()[i] = found[i].distance;
+  std::size_t total = 0;
+  for (const auto& list : lists) total += list.size();
+  Ids ids(std::vector<std::size_t>{2, total});
+  py::array_t<double> distances(Size(total));
+  std::int64_t* to = ids.mutable_data();
+  double* distance = distances.mutable_data();
+  for (const auto& list : lists) {
+    for (const auto& [row, near] : list) {
+      to[0] = static_cast<std::int64_t>(row);
+      to[total] = near.id;
+      *distance++ = near.distance;
+      ++to;
+    }
   }
   return py::make_tuple(ids, distances);
 }

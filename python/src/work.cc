@@ -19,11 +19,11 @@ void Work::Run(std::size_t count,
   std::atomic<std::size_t> done{0};
   std::mutex mutex;
   std::exception_ptr error;
+  std::size_t failed = count;
   const auto work = [&](std::size_t thread) {
+    std::size_t i = 0;
     try {
-      for (;;) {
-        const std::size_t i = next.fetch_add(1);
-        if (i >= count) break;
+      for (i = next.fetch_add(1); i < count; i = next.fetch_add(1)) {
         part(i, thread);
         const std::size_t so_far = done.fetch_add(1) + 1;
         if (thread == 0) Contact(so_far, count);
@@ -31,7 +31,8 @@ void Work::Run(std::size_t count,
     } catch (...) {
       next.store(count);
       const std::scoped_lock lock(mutex);
-      if (error == nullptr) error = std::current_exception();
+      if (i < failed) error = std::current_exception();
+      failed = std::min(failed, i);
     }
   };
   std::vector<std::thread> others;

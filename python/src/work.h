@@ -37,8 +37,8 @@ class Work {
   void SetLastStage() { begin_ = end_ = total_; }
 
   // Calls part(i, thread) for each i below `count`, where thread is below
-  // threads(). Returns when all calls have returned. Throws what a part threw
-  // first.
+  // threads(). Returns when all calls have returned. Throws the error of the
+  // lowest part that failed, which is the same for any number of threads.
   void Run(std::size_t count,
            const std::function<void(std::size_t, std::size_t)>& part);
 

@@ -8,7 +8,8 @@ import pytest
 pytest.importorskip("shapely", reason="needs python3-shapely")
 
 from shapely.errors import ShapelyError
-from shapely.geometry import GeometryCollection, LineString, MultiPoint, Point, Polygon, box
+from shapely.geometry import (GeometryCollection, LineString, MultiPoint, MultiPolygon, Point,
+                              Polygon, box)
 
 from conftest import overlaps
 from halfspace import geo
@@ -76,6 +77,30 @@ def test_query(predicate):
     for i, a in enumerate(GIVEN[:20]):
         its = {"distance": options["distance"][i]} if options else {}
         assert TREE.query(a, predicate, **its).tolist() == [j for k, j in expected if k == i]
+
+
+# More pairs and geometries than one part has. Of collections, GEOS 3.11 cannot decide most predicates: the
+# error names the first pair.
+@pytest.mark.parametrize("predicate", ["nearest", *geo._PREDICATES])
+def test_threads_find_the_same(predicate):
+    holed = [Polygon(box(i, 0, i + 4, 4).exterior, [box(i + 1, 1, i + 3, 3).exterior])
+             for i in range(9)]
+    many = [*some(300, 8), *holed, *(MultiPolygon([g, box(20, 20, 21, 21)]) for g in holed)]
+
+    def found(its, threads):
+        try:
+            if predicate == "nearest":
+                both = tree.query_nearest(its, None, True, True, threads=threads)
+                return [each.tolist() for each in both]
+            distance = 0.5 if predicate == "dwithin" else None
+            return tree.query(its, predicate, distance, threads=threads).tolist()
+        except ShapelyError as error:
+            return str(error)
+
+    for its in (many, many + [GeometryCollection([g, Point(7, 7)]) for g in holed]):
+        tree = geo.STRtree(its)
+        assert len(tree.query(its)[0]) > 3 * 4096 and len(its) > 256
+        assert found(its, 1) == found(its, 2) == found(its, 4)
 
 
 @pytest.mark.parametrize("exclusive", [False, True])
@@ -189,6 +214,7 @@ def test_is_pickled():
      (lambda: TREE.query(GIVEN, "dwithin", [1, 2]), ValueError, "or 60 numbers"),
      (lambda: TREE.query(GIVEN, "dwithin", [[1]]), ValueError, "expected a number, or 60 numbers"),
      (lambda: TREE.query(GIVEN, distance=1), ValueError, 'only the predicate "dwithin"'),
+     (lambda: TREE.query(GIVEN, threads=0), ValueError, "threads: expected"),
      (lambda: TREE.query_nearest(GIVEN, 0), ValueError, "max_distance: expected a number"),
      (lambda: TREE.query_nearest(GIVEN, np.nan), ValueError, "max_distance: expected"),
      (lambda: TREE.query_nearest(GIVEN, [1]), ValueError, "max_distance: expected a number"),
