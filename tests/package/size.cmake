@@ -30,7 +30,7 @@ endif()
 # Builders and a scan of octahedra, and a broad phase with a query by a sphere.
 if(TARGET example_quick_start)
   add_size_test(moving_body example_moving_body 500000)
-  add_size_test(quick_start example_quick_start 810000)
+  add_size_test(quick_start example_quick_start 820000)
 endif()
 # Box queries of a BVH, without its other searches.
 if(TARGET example_many_boxes)
