@@ -312,6 +312,8 @@ def budget(value: Optional[int]) -> int:
 
 
 def _integer(value: Any, name: str, least: int, most: int, hint: str = "") -> int:
+    if type(value) is int and least <= value <= most:
+        return value  # without the 0.4 us of the checks below
     _refuse_masked(value, name)
     expected = f"{name}: expected an integer from {least} to {most}, got"
     try:

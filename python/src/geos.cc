@@ -225,7 +225,8 @@ bool ReadBox(const Context& context, const Geometry* its, double* box) {
 using Pointers = std::vector<const Geometry*>;
 
 // The geometries of an argument. Those of shapely 2 do not change. Those of
-// shapely 1.8 can, so each call reads their addresses again.
+// shapely 1.8 can, so each call reads their addresses again: only those of its
+// pairs, if it has few.
 class Geometries {
  public:
   // A geometry, or an iterable of them. Some are None.
@@ -274,14 +275,17 @@ class Geometries {
   // The geometries of pairs, which `threads` threads can read. Call it with the
   // interpreter's lock.
   Pointers Pick(const Ids& ids, std::size_t threads) const {
-    const auto at = [&ids](std::size_t i) {
-      return static_cast<std::size_t>(ids.data()[i]);
-    };
     Pointers picked(Length(ids));
-    for (std::size_t i = 0; i < picked.size(); ++i) {
-      picked[i] = geos.read != nullptr ? pointers_[at(i)] : Current(at(i));
+    Pointers read;
+    const bool can_change = geos.read == nullptr;
+    if (can_change && (threads > 1 || size() <= picked.size())) {
+      read = PickAll();
     }
-    if (threads > 1) PickAll();
+    const Pointers& all = can_change ? read : pointers_;
+    for (std::size_t i = 0; i < picked.size(); ++i) {
+      const auto at = static_cast<std::size_t>(ids.data()[i]);
+      picked[i] = all.empty() ? Current(at) : all[at];
+    }
     return picked;
   }
 
@@ -688,10 +692,10 @@ py::tuple Nearest(const Geometries& given, const py::object& tree,
   const std::size_t parts = PartsOf(given.size(), kInPart);
   threads = std::min(threads, parts);
   std::vector<std::vector<std::pair<std::size_t, Near>>> lists(parts);
-  // One thread reads only those that it needs.
+  // Most rows read the boxes of 4 objects at least.
   Pointers a;
   Pointers b;
-  if (threads > 1) {
+  if (threads > 1 || its.size() <= 4 * given.size()) {
     a = given.PickAll();
     b = its.PickAll();
   }
